@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The features a classifier can be learned on, by name.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ladar_perception/saliency/saliency.h"
+
+namespace ladar_perception {
+
+/// A number computed from a support volume's saliency.
+enum class Feature {
+  kScatter,
+  kSurface,
+  kLinear,
+  kCbrtScatter,
+  kCbrtSurface,
+  kCbrtLinear,
+  kNormalAngle,
+  kTangentAngle,
+};
+
+/// Name, unit and meaning of a feature, for model files and documentation.
+struct FeatureInfo {
+  Feature feature;
+  const char* name;
+  const char* unit;
+  const char* meaning;
+};
+
+/// Every feature there is.
+const std::vector<FeatureInfo>& allFeatures();
+/// The feature of that name, or nothing.
+std::optional<Feature> featureFromName(const std::string& name);
+const char* featureName(Feature feature);
+/// Value of a feature; `saliency.defined` must hold.
+float featureValue(Feature feature, const Saliency& saliency);
+
+}  // namespace ladar_perception

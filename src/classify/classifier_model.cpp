@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ladar_perception/classify/classifier_model.h"
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include <yaml-cpp/yaml.h>
+
+namespace ladar_perception {
+namespace {
+
+constexpr const char* kFormat = "ladar_perception/classifier/1";
+
+/// Reads nodes of one file and says where and what when they are not as expected.
+class ModelReader {
+ public:
+  explicit ModelReader(std::string path) : path_(std::move(path)) {}
+
+  [[noreturn]] void fail(const YAML::Node& node, const std::string& message) const {
+    const int line = node.IsDefined() ? node.Mark().line + 1 : 0;
+    throw std::runtime_error(path_ + (line > 0 ? ":" + std::to_string(line) : "") + ": " + message);
+  }
+
+  void expectKeys(const YAML::Node& map, const std::set<std::string>& keys) const {
+    if (!map.IsMap()) fail(map, "expected a map");
+    for (const auto& entry : map) {
+      const auto key = entry.first.as<std::string>();
+      if (keys.count(key) == 0) fail(entry.first, "unknown key '" + key + "'");
+    }
+  }
+
+  YAML::Node child(const YAML::Node& map, const std::string& key) const {
+    const YAML::Node node = map[key];
+    if (!node.IsDefined()) fail(map, "key '" + key + "' is missing");
+    return node;
+  }
+
+  template <typename T>
+  T value(const YAML::Node& node, const std::string& what) const {
+    try {
+      return node.as<T>();
+    } catch (const YAML::Exception&) {
+      fail(node, what);
+    }
+  }
+
+  template <typename T>
+  T value(const YAML::Node& map, const std::string& key, const std::string& type) const {
+    return value<T>(child(map, key), "'" + key + "' must be " + type);
+  }
+
+ private:
+  std::string path_;
+};
+
+GaussianComponent readComponent(const ModelReader& reader, const YAML::Node& node, int features) {
+  reader.expectKeys(node, {"weight", "mean", "covariance"});
+  GaussianComponent component;
+  component.weight = reader.value<double>(node, "weight", "a number");
+  const auto mean = reader.value<std::vector<double>>(node, "mean", "a list of numbers");
+  component.mean = Eigen::Map<const Eigen::VectorXd>(mean.data(), mean.size());
+  const auto rows = reader.value<std::vector<std::vector<double>>>(
+      node, "covariance", "a list of lists of numbers");
+  component.covariance.resize(features, features);
+  bool square = rows.size() == static_cast<std::size_t>(features);
+  for (std::size_t i = 0; square && i < rows.size(); ++i) {
+    square = rows[i].size() == rows.size();
+    for (std::size_t j = 0; square && j < rows.size(); ++j) component.covariance(i, j) = rows[i][j];
+  }
+  if (!square) {
+    const std::string n = std::to_string(features);
+    reader.fail(node["covariance"], "covariance must be " + n + " x " + n + " numbers");
+  }
+  return component;
+}
+
+uint32_t readColor(const ModelReader& reader, const YAML::Node& node) {
+  const auto rgb = reader.value<std::vector<int>>(node, "color", "three integers [r, g, b]");
+  if (rgb.size() != 3) reader.fail(node["color"], "'color' must be three integers [r, g, b]");
+  uint32_t packed = 0;
+  for (const int channel : rgb) {
+    if (channel < 0 || channel > 255) reader.fail(node["color"], "colours run from 0 to 255");
+    packed = packed << 8 | static_cast<uint32_t>(channel);
+  }
+  return packed;
+}
+
+ModelClass readClass(const ModelReader& reader, const YAML::Node& node, int features) {
+  reader.expectKeys(node, {"name", "color", "prior", "components"});
+  ModelClass result;
+  result.name = reader.value<std::string>(node, "name", "a name");
+  result.rgb = readColor(reader, node);
+  result.prior = reader.value<double>(node, "prior", "a number");
+  if (!(result.prior > 0.0) || !std::isfinite(result.prior)) {
+    reader.fail(node["prior"], "'prior' must be positive");
+  }
+  const YAML::Node components = reader.child(node, "components");
+  if (!components.IsSequence()) reader.fail(components, "'components' must be a list");
+  for (const YAML::Node& component : components) {
+    result.mixture.push_back(readComponent(reader, component, features));
+  }
+  const std::string problem = GaussianMixture::error(result.mixture, features);
+  if (!problem.empty()) reader.fail(components, "class '" + result.name + "': " + problem);
+  return result;
+}
+
+void readFeatures(const ModelReader& reader, const YAML::Node& root, ClassifierModel* model) {
+  const auto names = reader.value<std::vector<std::string>>(root, "features", "a list of names");
+  if (names.empty()) reader.fail(root["features"], "'features' is empty");
+  for (const std::string& name : names) {
+    const auto feature = featureFromName(name);
+    if (!feature) {
+      std::string known;
+      for (const FeatureInfo& info : allFeatures()) known += std::string(" ") + info.name;
+      reader.fail(root["features"], "unknown feature '" + name + "', known are:" + known);
+    }
+    model->features.push_back(*feature);
+  }
+}
+
+void readClasses(const ModelReader& reader, const YAML::Node& root, ClassifierModel* model) {
+  const YAML::Node classes = reader.child(root, "classes");
+  if (!classes.IsSequence() || classes.size() < 2 || classes.size() > kMaxClasses) {
+    reader.fail(classes, "'classes' must list 2 to " + std::to_string(kMaxClasses) + " classes");
+  }
+  std::set<std::string> names = {"unknown"};
+  for (const YAML::Node& node : classes) {
+    model->classes.push_back(readClass(reader, node, static_cast<int>(model->features.size())));
+    if (!names.insert(model->classes.back().name).second) {
+      reader.fail(node, "class name '" + model->classes.back().name + "' is taken");
+    }
+  }
+}
+
+ClassifierModel readModel(const ModelReader& reader, const YAML::Node& root) {
+  reader.expectKeys(root, {"format", "provenance", "voxel_size_m", "support_radius_voxels",
+                           "features", "unknown_log_likelihood", "classes"});
+  const auto format = reader.value<std::string>(root, "format", "a name");
+  if (format != kFormat) {
+    reader.fail(root["format"], "format is '" + format + "', expected '" + kFormat + "'");
+  }
+  ClassifierModel model;
+  model.voxel_size_m = reader.value<double>(root, "voxel_size_m", "a number");
+  if (!(model.voxel_size_m > 0.0)) reader.fail(root["voxel_size_m"], "voxel_size_m must be > 0");
+  model.support_radius_voxels = reader.value<int>(root, "support_radius_voxels", "an integer");
+  model.unknown_log_likelihood = reader.value<double>(root, "unknown_log_likelihood", "a number");
+  if (const YAML::Node provenance = root["provenance"]) {
+    model.provenance = reader.value<std::map<std::string, std::string>>(
+        provenance, "'provenance' must map names to texts");
+  }
+  readFeatures(reader, root, &model);
+  readClasses(reader, root, &model);
+  return model;
+}
+
+// 9 significant digits give back the same float32, and the file the same bytes on every machine.
+std::string number(double value) {
+  if (std::isinf(value)) return value < 0 ? "-.inf" : ".inf";
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.9g", value);
+  return text;
+}
+
+template <typename Vector>
+std::string numberList(const Vector& values) {
+  std::string text = "[";
+  for (Eigen::Index i = 0; i < values.size(); ++i) text += (i ? ", " : "") + number(values[i]);
+  return text + "]";
+}
+
+std::string quoted(const std::string& text) {
+  YAML::Emitter out;
+  out << YAML::DoubleQuoted << text;
+  return out.c_str();
+}
+
+void writeClass(const ModelClass& model_class, std::ostream& out) {
+  out << "  - name: " << quoted(model_class.name) << "\n    color: [" << (model_class.rgb >> 16 & 255)
+      << ", " << (model_class.rgb >> 8 & 255) << ", " << (model_class.rgb & 255)
+      << "]\n    prior: " << number(model_class.prior) << "\n    components:\n";
+  for (const GaussianComponent& component : model_class.mixture) {
+    out << "      - weight: " << number(component.weight)
+        << "\n        mean: " << numberList(component.mean) << "\n        covariance:\n";
+    for (Eigen::Index i = 0; i < component.covariance.rows(); ++i) {
+      const Eigen::VectorXd row = component.covariance.row(i);
+      out << "          - " << numberList(row) << "\n";
+    }
+  }
+}
+
+}  // namespace
+
+std::string ClassifierModel::labelName(uint8_t label) const {
+  return label >= 1 && label <= classes.size() ? classes[label - 1].name : "unknown";
+}
+
+uint32_t ClassifierModel::labelColor(uint8_t label) const {
+  return label >= 1 && label <= classes.size() ? classes[label - 1].rgb : kUnknownColor;
+}
+
+ClassifierModel parseClassifierModel(const std::string& text, const std::string& path) {
+  YAML::Node root;
+  try {
+    root = YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    throw std::runtime_error(path + ":" + std::to_string(error.mark.line + 1) +
+                             ": no YAML: " + error.msg);
+  }
+  if (!root.IsMap()) throw std::runtime_error(path + ": is empty or no map, expected a model");
+  return readModel(ModelReader(path), root);
+}
+
+ClassifierModel loadClassifierModel(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw std::runtime_error(path + ": model file cannot be opened");
+  std::ostringstream text;
+  text << file.rdbuf();
+  return parseClassifierModel(text.str(), path);
+}
+
+std::string formatClassifierModel(const ClassifierModel& model) {
+  std::ostringstream out;
+  out << "format: " << kFormat << "\nprovenance:\n";
+  for (const auto& entry : model.provenance) {
+    out << "  " << quoted(entry.first) << ": " << quoted(entry.second) << "\n";
+  }
+  out << "voxel_size_m: " << number(model.voxel_size_m)
+      << "\nsupport_radius_voxels: " << model.support_radius_voxels << "\nfeatures:\n";
+  for (const Feature feature : model.features) out << "  - " << featureName(feature) << "\n";
+  out << "unknown_log_likelihood: " << number(model.unknown_log_likelihood) << "\nclasses:\n";
+  for (const ModelClass& model_class : model.classes) writeClass(model_class, out);
+  return out.str();
+}
+
+void saveClassifierModel(const ClassifierModel& model, const std::string& path) {
+  std::ofstream file(path);
+  file << formatClassifierModel(model);
+  if (!file.flush()) throw std::runtime_error(path + ": cannot be written");
+}
+
+std::string modelMisfit(const ClassifierModel& model, double voxel_size_m,
+                        int support_radius_voxels) {
+  std::string misfit;
+  if (std::abs(model.voxel_size_m - voxel_size_m) > 1e-6 * voxel_size_m) {
+    misfit += "it was learned at voxel_size_m " + number(model.voxel_size_m) +
+              ", the configuration has " + number(voxel_size_m);
+  }
+  if (model.support_radius_voxels != support_radius_voxels) {
+    misfit += std::string(misfit.empty() ? "" : "; ") + "it was learned at support_radius_voxels " +
+              std::to_string(model.support_radius_voxels) + ", the configuration has " +
+              std::to_string(support_radius_voxels);
+  }
+  return misfit;
+}
+
+}  // namespace ladar_perception

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ladar_perception/classify/gaussian_mixture.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "block_math.h"
+
+namespace ladar_perception {
+namespace {
+
+constexpr int kSize = FeatureBlock::kSize;
+
+std::string componentError(const GaussianComponent& component, int features) {
+  if (!(component.weight > 0.0) || !std::isfinite(component.weight)) {
+    return "weight must be positive";
+  }
+  if (component.mean.size() != features || !component.mean.allFinite()) {
+    return "mean must have " + std::to_string(features) + " finite numbers";
+  }
+  const Eigen::MatrixXd& covariance = component.covariance;
+  if (covariance.rows() != features || covariance.cols() != features || !covariance.allFinite()) {
+    return "covariance must be " + std::to_string(features) + " x " + std::to_string(features) +
+           " finite numbers";
+  }
+  const double tolerance = 1e-6 * covariance.cwiseAbs().maxCoeff();
+  if (!covariance.isApprox(covariance.transpose(), 1e-6) &&
+      (covariance - covariance.transpose()).cwiseAbs().maxCoeff() > tolerance) {
+    return "covariance must be symmetric";
+  }
+  if (Eigen::LLT<Eigen::MatrixXd>(covariance).info() != Eigen::Success) {
+    return "covariance must be positive definite";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string GaussianMixture::error(const std::vector<GaussianComponent>& components,
+                                   int features) {
+  if (components.empty()) return "has no components";
+  double weights = 0.0;
+  for (std::size_t i = 0; i < components.size(); ++i) {
+    const std::string problem = componentError(components[i], features);
+    if (!problem.empty()) return "component " + std::to_string(i) + ": " + problem;
+    weights += components[i].weight;
+  }
+  if (std::abs(weights - 1.0) > 1e-3) {
+    return "weights sum to " + std::to_string(weights) + ", expected 1";
+  }
+  return "";
+}
+
+GaussianMixture::GaussianMixture(const std::vector<GaussianComponent>& components) {
+  constexpr double kLog2Pi = 1.8378770664093453;
+  for (const GaussianComponent& component : components) {
+    const auto n = component.mean.size();
+    const Eigen::MatrixXd l = Eigen::LLT<Eigen::MatrixXd>(component.covariance).matrixL();
+    const Eigen::MatrixXd inverse =
+        l.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(n, n));
+    Kernel kernel;
+    kernel.log_scale =
+        static_cast<float>(std::log(component.weight) - 0.5 * static_cast<double>(n) * kLog2Pi -
+                           l.diagonal().array().log().sum());
+    for (Eigen::Index i = 0; i < n; ++i) {
+      kernel.mean.push_back(static_cast<float>(component.mean[i]));
+      for (Eigen::Index j = 0; j <= i; ++j) {
+        kernel.whitening.push_back(static_cast<float>(inverse(i, j)));
+      }
+    }
+    kernels_.push_back(std::move(kernel));
+  }
+}
+
+void GaussianMixture::logLikelihood(const FeatureBlock& block, float* log_likelihood) const {
+  float log_sum[kSize];
+  for (std::size_t c = 0; c < kernels_.size(); ++c) {
+    const Kernel& kernel = kernels_[c];
+    float log_density[kSize];
+    std::fill(log_density, log_density + kSize, kernel.log_scale);
+    const float* w = kernel.whitening.data();
+    for (std::size_t i = 0; i < kernel.mean.size(); ++i) {
+      float whitened[kSize] = {};
+      for (std::size_t j = 0; j <= i; ++j, ++w) {
+        const float* value = block.row(static_cast<int>(j));
+        for (int lane = 0; lane < kSize; ++lane) {
+          whitened[lane] += *w * (value[lane] - kernel.mean[j]);
+        }
+      }
+      for (int lane = 0; lane < kSize; ++lane) {
+        log_density[lane] -= 0.5F * whitened[lane] * whitened[lane];
+      }
+    }
+    if (c == 0) {
+      std::copy(log_density, log_density + kSize, log_sum);
+    } else {
+      block_math::logAddExp<kSize>(log_density, log_sum);
+    }
+  }
+  std::copy(log_sum, log_sum + kSize, log_likelihood);
+}
+
+}  // namespace ladar_perception
