@@ -9,6 +9,8 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include "cloud_message.h"
+
 namespace ladar_perception {
 namespace {
 
@@ -84,20 +86,8 @@ void ScanBagWriter::writeCloud(const ros::Time& stamp, const ros::Time& record_t
   message.header.seq = cloud_seq_++;
   message.header.stamp = stamp;
   message.header.frame_id = frame;
-  message.width = layout.width;
-  message.height = layout.height;
-  message.point_step = layout.point_step;
-  message.row_step = layout.row_step;
-  message.is_bigendian = layout.big_endian;
   message.is_dense = is_dense;
-  for (const Field& field : layout.fields) {
-    sensor_msgs::PointField out;
-    out.name = field.name;
-    out.offset = field.offset;
-    out.datatype = static_cast<uint8_t>(field.type);
-    out.count = field.count;
-    message.fields.push_back(std::move(out));
-  }
+  setLayout(layout, &message);
   message.data = std::move(data);
   bag_.write(cloud_topic_, record_time, message);
 }

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
 namespace ladar_perception {
 namespace {
 

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "terrain_node_config.h"
+
+#include <stdexcept>
+
+#include <ros/package.h>
+
+namespace ladar_perception {
+namespace {
+
+ParamValue fromXmlRpc(XmlRpc::XmlRpcValue& value) {
+  switch (value.getType()) {
+    case XmlRpc::XmlRpcValue::TypeBoolean:
+      return static_cast<bool>(value);
+    case XmlRpc::XmlRpcValue::TypeInt:
+      return static_cast<int>(value);
+    case XmlRpc::XmlRpcValue::TypeDouble:
+      return static_cast<double>(value);
+    case XmlRpc::XmlRpcValue::TypeString:
+      return static_cast<std::string>(value);
+    case XmlRpc::XmlRpcValue::TypeArray:
+      return UnsupportedValue{"a list"};
+    case XmlRpc::XmlRpcValue::TypeStruct:
+      return UnsupportedValue{"a map"};
+    default:
+      return UnsupportedValue{"a value of another kind"};
+  }
+}
+
+void checkFrame(const std::string& name, const std::string& frame, bool may_be_empty,
+                std::vector<std::string>* violations) {
+  if (frame.empty() && !may_be_empty) violations->push_back(name + ": must not be empty");
+  if (!frame.empty() && frame[0] == '/') {
+    violations->push_back(name + ": '" + frame + "' starts with a slash, which tf2 has no use for");
+  }
+}
+
+}  // namespace
+
+ParamTable TerrainNodeConfig::table() {
+  ParamTable table;
+  table.add("model", &model, "classifier model, a path or package://<package>/<path>");
+  table.add("map_frame", &map_frame, "frame the map is kept in; it must not jump");
+  table.add("vehicle_frame", &vehicle_frame,
+            "frame the map is centred on; empty for the cloud's own frame");
+  pipeline.addTo(&table);
+  table.add("motion_compensation", &motion_compensation,
+            "place every point by the pose at its own time, where the cloud has a time field");
+  table.add("tf_timeout_s", &tf_timeout_s, 0.0, 10.0, "s",
+            "how long a scan waits for its transforms before it is dropped");
+  table.add("queue_size", &queue_size, 1, 1000, "scans",
+            "scans that may wait; the oldest is dropped when one more comes");
+  table.add("map_rate_hz", &map_rate_hz, 0.0, 100.0, "Hz",
+            "how often labeled_map is published, by the scans' stamps; 0 for never");
+  table.add("map_radius_m", &map_radius_m, 0.0, 1000.0, "m",
+            "labeled_map holds the voxels within this distance of the vehicle");
+  table.add("statistics_rate_hz", &statistics_rate_hz, 0.1, 100.0, "Hz",
+            "how often statistics are published");
+  return table;
+}
+
+TerrainNodeConfig readTerrainNodeConfig(const ParamMap& values, const std::string& source) {
+  TerrainNodeConfig config;
+  std::vector<std::string> violations = config.table().apply(values);
+  for (const std::string& violation : config.pipeline.validate()) violations.push_back(violation);
+  checkFrame("map_frame", config.map_frame, false, &violations);
+  checkFrame("vehicle_frame", config.vehicle_frame, true, &violations);
+  if (config.model.empty()) violations.emplace_back("model: must not be empty");
+  if (violations.empty()) return config;
+  std::string report = source + ": " + std::to_string(violations.size()) + " bad parameter" +
+                       (violations.size() == 1 ? "" : "s");
+  for (const std::string& violation : violations) report += "\n  - " + violation;
+  throw std::runtime_error(report);
+}
+
+TerrainNodeConfig readTerrainNodeConfigFile(const std::string& path) {
+  return path.empty() ? TerrainNodeConfig() : readTerrainNodeConfig(loadParamFile(path), path);
+}
+
+TerrainNodeConfig readTerrainNodeConfig(const ros::NodeHandle& private_handle) {
+  ParamMap values;
+  XmlRpc::XmlRpcValue tree;
+  if (private_handle.getParam(private_handle.getNamespace(), tree) &&
+      tree.getType() == XmlRpc::XmlRpcValue::TypeStruct) {
+    for (auto& entry : tree) {
+      // diagnostic_updater reads its own parameter from the same namespace.
+      if (entry.first != "diagnostic_period") values[entry.first] = fromXmlRpc(entry.second);
+    }
+  }
+  return readTerrainNodeConfig(values, "parameters in " + private_handle.getNamespace());
+}
+
+std::string resolvePackagePath(const std::string& path) {
+  const std::string scheme = "package://";
+  if (path.compare(0, scheme.size(), scheme) != 0) return path;
+  const std::size_t slash = path.find('/', scheme.size());
+  const std::string package = path.substr(scheme.size(), slash - scheme.size());
+  const std::string folder = ros::package::getPath(package);
+  if (folder.empty() || slash == std::string::npos) {
+    throw std::runtime_error(path + ": package '" + package +
+                             "' is not found; is its setup.sh sourced?");
+  }
+  return folder + path.substr(slash);
+}
+
+ClassifierModel loadFittingModel(const TerrainNodeConfig& config) {
+  const std::string path = resolvePackagePath(config.model);
+  ClassifierModel model = loadClassifierModel(path);
+  const std::string misfit = modelMisfit(model, config.pipeline.voxel_size_m,
+                                         config.pipeline.support_radius_voxels);
+  if (!misfit.empty()) {
+    throw std::runtime_error(path + ": the model does not fit the configuration: " + misfit);
+  }
+  return model;
+}
+
+}  // namespace ladar_perception

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Configuration of the terrain nodelet and of classify_bag, and the strict readers of it.
+#pragma once
+
+#include <string>
+
+#include <ros/node_handle.h>
+
+#include "ladar_perception/classify/classifier_model.h"
+#include "ladar_perception/params/param_table.h"
+#include "ladar_perception/terrain/terrain_config.h"
+
+namespace ladar_perception {
+
+struct TerrainNodeConfig {
+  TerrainConfig pipeline;
+  std::string model = "package://ladar_perception/config/models/starter.yaml";
+  std::string map_frame = "odom";
+  std::string vehicle_frame = "base_link";
+  bool motion_compensation = true;
+  double tf_timeout_s = 0.2;
+  int queue_size = 4;
+  double map_rate_hz = 1.0;
+  double map_radius_m = 15.0;
+  double statistics_rate_hz = 1.0;
+
+  /// The table that feeds the strict readers, config/terrain.yaml and the documentation.
+  ParamTable table();
+};
+
+
+/// Configuration from a map of values. Throws std::runtime_error with every violation, one a line,
+/// under a first line that names `source` (a file or a namespace).
+TerrainNodeConfig readTerrainNodeConfig(const ParamMap& values, const std::string& source);
+/// From a YAML file; "" gives the defaults.
+TerrainNodeConfig readTerrainNodeConfigFile(const std::string& path);
+/// From the parameters in the handle's namespace.
+TerrainNodeConfig readTerrainNodeConfig(const ros::NodeHandle& private_handle);
+
+/// Loads the model `config.model` names (a path or package://<package>/<path>) and checks that it
+/// fits the configuration. Throws std::runtime_error that names the file.
+ClassifierModel loadFittingModel(const TerrainNodeConfig& config);
+/// Path behind package://<package>/<path>; other texts are paths already.
+std::string resolvePackagePath(const std::string& path);
+
+}  // namespace ladar_perception
