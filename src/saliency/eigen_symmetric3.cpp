@@ -73,7 +73,7 @@ EigenSymmetric3 eigenSymmetric3(const SymmetricMatrix3& a) {
   const double vv = v.dot(m * v);
   const double mean = (uu + vv) / 2.0;
   const double d = (uu - vv) / 2.0;
-  const double h = std::hypot(d, uv);
+  const double h = std::sqrt(d * d + uv * uv);  // entries are of order 1
   // Eigenvector of mean + h in the (u, v) plane, from the sum that does not cancel.
   Eigen::Vector2d upper = d >= 0.0 ? Eigen::Vector2d(d + h, uv) : Eigen::Vector2d(uv, h - d);
   upper = h > 0.0 ? Eigen::Vector2d(upper.normalized()) : Eigen::Vector2d::UnitX();
