@@ -2,16 +2,14 @@
 // Labels every scan of a bag with the nodelet's own code, without a ROS master.
 #include <sys/resource.h>
 
+#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <iostream>
 #include <memory>
-
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
-
 
 #include "cloud_message.h"
 #include "ladar_perception/cloud/point_reader.h"
@@ -20,7 +18,6 @@
 #include "scan_bag_reader.h"
 #include "terrain_processor.h"
 #include "terrain_statistics.h"
-
 
 namespace ladar_perception {
 namespace {
@@ -195,7 +192,8 @@ void BagClassifier::processScan(const ScanBagReader::Scan& scan) {
     return;
   }
   // Messages are part of a scan's cost, reading and writing the file is not.
-  const auto labeled = makeLabeledPoints(*scan.cloud, processor_.scanLayout(), processor_.pipeline());
+  const auto labeled =
+      makeLabeledPoints(*scan.cloud, processor_.scanLayout(), processor_.pipeline());
   const double spent_s = std::chrono::duration<double>(Clock::now() - begin).count() - waited_s;
   busy_s_ += spent_s;
   statistics_.addScan(*scan.cloud, processor_.pipeline().report(), spent_s * 1e3);
@@ -217,9 +215,9 @@ void BagClassifier::writeResults(const ScanBagReader::Scan& scan,
   last_map_stamp_ = stamp;
   std_msgs::Header header = scan.cloud->header;
   header.frame_id = config_.map_frame;
-  output_->write("/labeled_map", scan.recorded,
-                 *makeLabeledMap(processor_.pipeline(), header, p_map_vehicle,
-                                 config_.map_radius_m));
+  output_->write(
+      "/labeled_map", scan.recorded,
+      *makeLabeledMap(processor_.pipeline(), header, p_map_vehicle, config_.map_radius_m));
 }
 
 void BagClassifier::addTruth(const sensor_msgs::PointCloud2& cloud) {
@@ -286,8 +284,9 @@ void BagClassifier::printSummary() const {
 
 int main(int argc, char** argv) {
   ladar_perception::Options options;
-  CLI::App app("Labels every scan of a bag as the terrain nodelet would, without a ROS master. The "
-               "result is the same bits on every run and for any number of threads.");
+  CLI::App app(
+      "Labels every scan of a bag as the terrain nodelet would, without a ROS master. The "
+      "result is the same bits on every run and for any number of threads.");
   app.add_option("input", options.input, "bag with a PointCloud2 topic and /tf")->required();
   app.add_option("--out", options.output,
                  "bag to write: /labeled_points, /labeled_map and all other messages of the input");

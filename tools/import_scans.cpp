@@ -8,18 +8,18 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <iostream>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "../src/ros/scan_bag_writer.h"
 #include "ladar_perception/io/class_mapping.h"
 #include "ladar_perception/io/point_stream.h"
 #include "ladar_perception/io/pose_file.h"
 #include "ladar_perception/io/scan_file.h"
+#include "package_path.h"
+#include "scan_bag_writer.h"
 
 namespace ladar_perception {
 namespace {
@@ -105,24 +105,6 @@ void addOptions(CLI::App& app, Options& o) {
   app.add_option("--sensor-frame", o.sensor_frame, "Frame of the clouds")->capture_default_str();
 }
 
-/// The mapping that ships with the package: from the install space that this program runs from,
-/// else from where it was built.
-std::string defaultClassesPath() {
-  namespace fs = std::filesystem;
-  const std::string name = "config/classes/oakland_three.yaml";
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path prefix = program.parent_path().parent_path().parent_path();
-  std::vector<fs::path> candidates = {prefix / "share/ladar_perception" / name};
-#ifdef LADAR_SHARE_DIR
-  candidates.push_back(fs::path(LADAR_SHARE_DIR) / name);
-#endif
-  for (const fs::path& candidate : candidates) {
-    if (fs::exists(candidate)) return candidate.string();
-  }
-  throw std::runtime_error("the shipped " + name + " was not found; name it with --classes");
-}
-
 /// Brings scans in order into the bag, with their stamps, transforms and truth.
 class Importer {
  public:
@@ -199,7 +181,8 @@ class Importer {
 
   void readMapping() {
     std::string path = options_.classes_path;
-    if (path.empty() && format_ == ScanFormat::kOakland) path = defaultClassesPath();
+    if (path.empty() && format_ == ScanFormat::kOakland)
+      path = resolvePackagePath("package://ladar_perception/config/classes/oakland_three.yaml");
     if (path.empty()) {
       if (options_.label_field_given) throw std::runtime_error("--label-field needs --classes");
       return;

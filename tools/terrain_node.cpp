@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The terrain nodelet as a program of its own.
-#include <ros/ros.h>
-
 #include "terrain_node.h"
+
+#include <ros/ros.h>
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "terrain");

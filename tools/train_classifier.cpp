@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Learns the mixtures of surface, scatter and linear from bags whose points carry a truth field.
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <armadillo>
 #include <array>
 #include <cstdio>
 #include <iostream>
 #include <random>
-
-#include <CLI/CLI.hpp>
-#include <armadillo>
 
 #include "cloud_message.h"
 #include "ladar_perception/cloud/point_reader.h"
@@ -87,8 +86,10 @@ ClassifierModel emptyModel(const TerrainNodeConfig& config, const std::vector<Fe
   model.support_radius_voxels = config.pipeline.support_radius_voxels;
   const auto n = static_cast<Eigen::Index>(features.size());
   for (const ClassSpec& spec : kClasses) {
-    model.classes.push_back(
-        {spec.name, spec.rgb, 1.0, {{1.0, Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Identity(n, n)}}});
+    model.classes.push_back({spec.name,
+                             spec.rgb,
+                             1.0,
+                             {{1.0, Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Identity(n, n)}}});
   }
   return model;
 }
@@ -128,8 +129,8 @@ void sampleBag(const std::string& path, const TerrainNodeConfig& config,
     const CloudLayout& layout = processor.scanLayout();
     const Field* truth = layout.find("truth");
     if (truth == nullptr) {
-      throw std::runtime_error(path + ": its clouds have no field 'truth'; fields present: " +
-                               layout.describeFields());
+      throw std::runtime_error(
+          path + ": its clouds have no field 'truth'; fields present: " + layout.describeFields());
     }
     std::vector<double> values;
     readScalars({layout, scan.cloud->data.data(), scan.cloud->data.size()}, *truth, &values);
@@ -197,7 +198,8 @@ double unknownThreshold(const ClassifierModel& model, const std::vector<Reservoi
     }
   }
   std::sort(likelihoods.begin(), likelihoods.end());
-  const auto index = static_cast<std::size_t>(kUnknownShare * static_cast<double>(likelihoods.size()));
+  const auto index =
+      static_cast<std::size_t>(kUnknownShare * static_cast<double>(likelihoods.size()));
   return likelihoods[index] - kUnknownMargin;
 }
 
@@ -233,11 +235,13 @@ void train(const Options& options) {
                 static_cast<std::size_t>(data[c].n_cols),
                 static_cast<unsigned long>(reservoirs[c].offered()),
                 model.classes[c].mixture.size());
-    model.provenance["points of " + model.classes[c].name] = std::to_string(reservoirs[c].offered());
+    model.provenance["points of " + model.classes[c].name] =
+        std::to_string(reservoirs[c].offered());
   }
   model.unknown_log_likelihood = unknownThreshold(model, reservoirs);
   std::string inputs;
-  for (const std::string& input : options.inputs) inputs += (inputs.empty() ? "" : " ") + baseName(input);
+  for (const std::string& input : options.inputs)
+    inputs += (inputs.empty() ? "" : " ") + baseName(input);
   model.provenance["inputs"] = inputs;
   model.provenance["program"] = "train_classifier";
   model.provenance["samples per class, at most"] = std::to_string(options.samples);
@@ -251,9 +255,10 @@ void train(const Options& options) {
 
 int main(int argc, char** argv) {
   ladar_perception::Options options;
-  CLI::App app("Learns a model of the classes surface, scatter and linear from bags whose clouds "
-               "have a field 'truth' (1 surface, 2 scatter, 3 linear, else ignored). Features are "
-               "computed scan by scan, by the code that runs on the vehicle.");
+  CLI::App app(
+      "Learns a model of the classes surface, scatter and linear from bags whose clouds "
+      "have a field 'truth' (1 surface, 2 scatter, 3 linear, else ignored). Features are "
+      "computed scan by scan, by the code that runs on the vehicle.");
   app.add_option("inputs", options.inputs, "bags with truth, from simulate_ladar or import_scans")
       ->required();
   app.add_option("--out", options.output, "model file to write")->required();
@@ -261,9 +266,11 @@ int main(int argc, char** argv) {
   app.add_option("--features", options.features, "names of the features, separated by commas")
       ->delimiter(',');
   app.add_option("--components", options.components, "Gaussians per class")
-      ->check(CLI::Range(1, 64))->capture_default_str();
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
   app.add_option("--samples", options.samples, "points per class, at most")
-      ->check(CLI::Range(100, 10000000))->capture_default_str();
+      ->check(CLI::Range(100, 10000000))
+      ->capture_default_str();
   app.add_option("--seed", options.seed, "of sampling and of the start of EM")
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cloud_message.h"
 
+#include <boost/make_shared.hpp>
 #include <cstring>
 #include <limits>
-
-#include <boost/make_shared.hpp>
 
 #include "ladar_perception/map/bit_mask.h"
 
@@ -47,7 +46,9 @@ MapPoint mapPoint(const Eigen::Vector3d& p_map, uint32_t points, const VoxelResu
   out.rgb = model.labelColor(voxel.classification.label);
   out.confidence = voxel.classification.confidence;
   const Saliency& saliency = voxel.saliency;
-  const auto known = [&](double value) { return saliency.defined ? static_cast<float>(value) : kNaN; };
+  const auto known = [&](double value) {
+    return saliency.defined ? static_cast<float>(value) : kNaN;
+  };
   out.scatter = known(saliency.scatter);
   out.surface = known(saliency.surface);
   out.linear = known(saliency.linear);
@@ -112,8 +113,7 @@ sensor_msgs::PointCloud2Ptr makeLabeledPoints(const sensor_msgs::PointCloud2& sc
   message->header = scan.header;
   const CloudLayout layout = labeledLayout(scan_layout);
   setLayout(layout, message.get());
-  const auto not_finite =
-      pipeline.report().dropped[static_cast<int>(PointDrop::kNotFinite)];
+  const auto not_finite = pipeline.report().dropped[static_cast<int>(PointDrop::kNotFinite)];
   message->is_dense = not_finite == 0;
   writeLabeledCloud({scan_layout, scan.data.data(), scan.data.size()}, pipeline.pointLabels(),
                     layout, &message->data);
@@ -122,8 +122,7 @@ sensor_msgs::PointCloud2Ptr makeLabeledPoints(const sensor_msgs::PointCloud2& sc
 
 sensor_msgs::PointCloud2Ptr makeLabeledMap(const TerrainPipeline& pipeline,
                                            const std_msgs::Header& header,
-                                           const Eigen::Vector3d& p_map_vehicle,
-                                           double radius_m) {
+                                           const Eigen::Vector3d& p_map_vehicle, double radius_m) {
   const VoxelMap& map = pipeline.map();
   const double step_m = pipeline.config().voxel_size_m / static_cast<double>(kStepsPerVoxel);
   auto message = boost::make_shared<sensor_msgs::PointCloud2>();

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan_bag_reader.h"
 
+#include <tf2_msgs/TFMessage.h>
+
 #include <stdexcept>
 #include <utility>
 #include <vector>
-
-#include <tf2_msgs/TFMessage.h>
 
 namespace ladar_perception {
 namespace {
@@ -75,8 +75,8 @@ void ScanBagReader::chooseTopic(const std::string& requested) {
     bool present = false;
     for (const std::string& topic : topics) present = present || topic == requested;
     if (!present) {
-      throw std::runtime_error(path_ + ": has no clouds on topic '" + requested + "', only on: " +
-                               list);
+      throw std::runtime_error(path_ + ": has no clouds on topic '" + requested +
+                               "', only on: " + list);
     }
   }
   scan_count_ = rosbag::View(bag_, rosbag::TopicQuery(topic_)).size();
@@ -84,7 +84,8 @@ void ScanBagReader::chooseTopic(const std::string& requested) {
 
 void ScanBagReader::feedStaticTransforms() {
   // Latched, so whoever comes late still gets them: their place in the bag does not matter.
-  rosbag::View statics(bag_, rosbag::TopicQuery(std::vector<std::string>{"/tf_static", "tf_static"}));
+  rosbag::View statics(bag_,
+                       rosbag::TopicQuery(std::vector<std::string>{"/tf_static", "tf_static"}));
   for (const rosbag::MessageInstance& message : statics) feed(message, true, buffer_);
 }
 
@@ -95,7 +96,8 @@ bool ScanBagReader::playOne(const ros::Time& deadline) {
   const std::string& topic = message.getTopic();
   if (topic == topic_) {
     auto cloud = message.instantiate<sensor_msgs::PointCloud2>();
-    if (!cloud) throw std::runtime_error(path_ + ": a message on " + topic_ + " is no " + kCloudType);
+    if (!cloud)
+      throw std::runtime_error(path_ + ": a message on " + topic_ + " is no " + kCloudType);
     queue_.push_back({cloud, message.getTime()});
   } else {
     if (topic == "/tf" || topic == "tf") feed(message, false, buffer_);

@@ -2,15 +2,15 @@
 // Plays a bag into a tf buffer and hands out its clouds, without a ROS master and without a clock.
 #pragma once
 
-#include <deque>
-#include <functional>
-#include <memory>
-#include <string>
-
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <tf2/buffer_core.h>
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <string>
 
 namespace ladar_perception {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan_bag_writer.h"
 
-#include <cstdio>
-#include <stdexcept>
-#include <utility>
-
 #include <geometry_msgs/TransformStamped.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <tf2_msgs/TFMessage.h>
+
+#include <cstdio>
+#include <stdexcept>
+#include <utility>
 
 #include "cloud_message.h"
 

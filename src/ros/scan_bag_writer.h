@@ -2,14 +2,14 @@
 // Writes scans and transforms as a bag that the nodelets can play.
 #pragma once
 
-#include <cstdint>
-#include <string>
-#include <vector>
-
-#include <Eigen/Geometry>
 #include <geometry_msgs/TransformStamped.h>
 #include <ros/time.h>
 #include <rosbag/bag.h>
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <string>
+#include <vector>
 
 #include "ladar_perception/cloud/cloud_layout.h"
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "terrain_node.h"
 
-#include <chrono>
-
 #include <boost/make_shared.hpp>
+#include <chrono>
 
 #include "cloud_message.h"
 
@@ -162,7 +161,8 @@ void TerrainNode::reportDrop(const sensor_msgs::PointCloud2& scan, ScanDrop reas
     const std::lock_guard<std::mutex> lock(statistics_mutex_);
     statistics_.addDrop(scan, reason);
   }
-  ROS_WARN_THROTTLE(kWarningPeriod_s, "terrain: scan on '%s' at %.3f s in frame '%s' dropped, %s: %s",
+  ROS_WARN_THROTTLE(kWarningPeriod_s,
+                    "terrain: scan on '%s' at %.3f s in frame '%s' dropped, %s: %s",
                     handle_.resolveName("points").c_str(), scan.header.stamp.toSec(),
                     scan.header.frame_id.c_str(), scanDropName(reason), detail.c_str());
 }

@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-#include <ros/package.h>
+#include "package_path.h"
 
 namespace ladar_perception {
 namespace {
@@ -90,24 +90,11 @@ TerrainNodeConfig readTerrainNodeConfig(const ros::NodeHandle& private_handle) {
   return readTerrainNodeConfig(values, "parameters in " + private_handle.getNamespace());
 }
 
-std::string resolvePackagePath(const std::string& path) {
-  const std::string scheme = "package://";
-  if (path.compare(0, scheme.size(), scheme) != 0) return path;
-  const std::size_t slash = path.find('/', scheme.size());
-  const std::string package = path.substr(scheme.size(), slash - scheme.size());
-  const std::string folder = ros::package::getPath(package);
-  if (folder.empty() || slash == std::string::npos) {
-    throw std::runtime_error(path + ": package '" + package +
-                             "' is not found; is its setup.sh sourced?");
-  }
-  return folder + path.substr(slash);
-}
-
 ClassifierModel loadFittingModel(const TerrainNodeConfig& config) {
   const std::string path = resolvePackagePath(config.model);
   ClassifierModel model = loadClassifierModel(path);
-  const std::string misfit = modelMisfit(model, config.pipeline.voxel_size_m,
-                                         config.pipeline.support_radius_voxels);
+  const std::string misfit =
+      modelMisfit(model, config.pipeline.voxel_size_m, config.pipeline.support_radius_voxels);
   if (!misfit.empty()) {
     throw std::runtime_error(path + ": the model does not fit the configuration: " + misfit);
   }

@@ -2,9 +2,9 @@
 // Configuration of the terrain nodelet and of classify_bag, and the strict readers of it.
 #pragma once
 
-#include <string>
-
 #include <ros/node_handle.h>
+
+#include <string>
 
 #include "ladar_perception/classify/classifier_model.h"
 #include "ladar_perception/params/param_table.h"
@@ -28,7 +28,6 @@ struct TerrainNodeConfig {
   ParamTable table();
 };
 
-
 /// Configuration from a map of values. Throws std::runtime_error with every violation, one a line,
 /// under a first line that names `source` (a file or a namespace).
 TerrainNodeConfig readTerrainNodeConfig(const ParamMap& values, const std::string& source);
@@ -40,7 +39,5 @@ TerrainNodeConfig readTerrainNodeConfig(const ros::NodeHandle& private_handle);
 /// Loads the model `config.model` names (a path or package://<package>/<path>) and checks that it
 /// fits the configuration. Throws std::runtime_error that names the file.
 ClassifierModel loadFittingModel(const TerrainNodeConfig& config);
-/// Path behind package://<package>/<path>; other texts are paths already.
-std::string resolvePackagePath(const std::string& path);
 
 }  // namespace ladar_perception

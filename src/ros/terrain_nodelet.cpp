@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <memory>
-
 #include <nodelet/nodelet.h>
+
+#include <memory>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "terrain_node.h"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "terrain_processor.h"
 
+#include <tf2/exceptions.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include <tf2/exceptions.h>
 
 #include "cloud_message.h"
 
@@ -80,7 +80,8 @@ ScanOutcome TerrainProcessor::process(const sensor_msgs::PointCloud2& scan, cons
   std::string error;
   const auto fields = findPointFields(cloud, &error);
   if (!fields) return dropped(ScanDrop::kBadCloud, error);
-  if (stamp.isZero()) return dropped(ScanDrop::kNoStamp, "stamp is 0, expected the time of the scan");
+  if (stamp.isZero())
+    return dropped(ScanDrop::kNoStamp, "stamp is 0, expected the time of the scan");
 
   ScanOutcome outcome;
   outcome.map_reset = resetIfTimeJumped(scan);
@@ -105,7 +106,8 @@ ScanOutcome TerrainProcessor::process(const sensor_msgs::PointCloud2& scan, cons
   const bool reachable =
       withinReach(outcome.p_map_vehicle) &&
       std::all_of(knots.begin(), knots.end(), [](const SensorMotion::Knot& knot) {
-        return withinReach(knot.T_map_sensor.translation()) && knot.T_map_sensor.matrix().allFinite();
+        return withinReach(knot.T_map_sensor.translation()) &&
+               knot.T_map_sensor.matrix().allFinite();
       });
   if (!reachable) {
     outcome.drop = ScanDrop::kBadPose;
@@ -132,8 +134,8 @@ bool TerrainProcessor::resetIfTimeJumped(const sensor_msgs::PointCloud2& scan) {
     // buffer that was cleared with the clock already holds none of them and is left alone.
     std::string why;
     const ros::Time later = last->second;
-    const bool holds_future = later - stamp > ros::Duration(kMaxTimeOffset_s) &&
-                              canTransform(frame, later, {0.0}, &why);
+    const bool holds_future =
+        later - stamp > ros::Duration(kMaxTimeOffset_s) && canTransform(frame, later, {0.0}, &why);
     if (holds_future) buffer_->clear();
     reset();
   }
@@ -167,8 +169,7 @@ bool TerrainProcessor::canTransform(const std::string& frame, const ros::Time& s
   });
 }
 
-Eigen::Isometry3d TerrainProcessor::lookUp(const std::string& frame,
-                                           const ros::Time& stamp) const {
+Eigen::Isometry3d TerrainProcessor::lookUp(const std::string& frame, const ros::Time& stamp) const {
   return toIsometry(buffer_->lookupTransform(config_.map_frame, frame, stamp).transform);
 }
 

@@ -2,14 +2,14 @@
 // From a PointCloud2 and tf to labels: what the nodelet and classify_bag share.
 #pragma once
 
+#include <sensor_msgs/PointCloud2.h>
+#include <tf2/buffer_core.h>
+
 #include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <sensor_msgs/PointCloud2.h>
-#include <tf2/buffer_core.h>
 
 #include "ladar_perception/terrain/terrain_pipeline.h"
 #include "terrain_node_config.h"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <ladar_perception/TerrainStatistics.h>
+
 #include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
-
-#include <ladar_perception/TerrainStatistics.h>
 
 #include "ladar_perception/util/sample_window.h"
 #include "terrain_processor.h"

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Things people put down. Models have their foot at the origin, x forward, z up; sizes in metres.
+#pragma once
+
+#include <vector>
+
+#include "ladar_perception/sim/primitive.h"
+#include "ladar_perception/sim/random.h"
+#include "scene_builder.h"
+#include "vegetation.h"
+
+namespace ladar_perception::sim {
+
+/// Frame of tubes, wheels as rings of thin capsules.
+Model makeBicycle(Random* random);
+/// Bent tubes that bicycles lean on, `places` of them along y.
+Model makeBicycleStand(int places);
+Model makeBench();
+Model makeLampPost(double height_m);
+/// Pole with a cross-arm along y; wires hang from +-0.9 m at `height_m`.
+Model makeUtilityPole(double height_m);
+Model makeSignPost();
+/// Body of rounded boxes, dark glass, four wheels.
+Model makeCar(Random* random);
+
+/// Straight stairs that rise towards +x to `rise_m`, with a railing on both sides.
+Model makeStairs(double width_m, double rise_m);
+
+struct BuildingStyle {
+  double length_m = 30.0;  ///< along x
+  double width_m = 14.0;   ///< along y
+  int floors = 2;
+  Material wall = Material::kBrick;
+  double plinth_m = 0.6;  ///< ground floor above the ground
+};
+
+/// Walls with recessed windows and doors on all sides, a flat roof, nothing inside.
+Model makeBuilding(const BuildingStyle& style);
+
+/// Where the door of a facade is, along it from its middle.
+double doorOffset(double facade_length_m);
+
+/// Places a model beside the track, facing along it turned by `turn_rad`, and claims its ground.
+void placeBeside(uint32_t model, double s_m, double left_m, double turn_rad, double claim_m,
+                 SceneBuilder* builder);
+
+/// Clipped hedge between two arc lengths.
+void addHedgeAlongTrack(double from_m, double to_m, double left_m, double height_m,
+                        SceneBuilder* builder);
+
+/// Cable on short poles between two arc lengths.
+void addCableAlongTrack(double from_m, double to_m, double left_m, double height_m,
+                        SceneBuilder* builder);
+
+enum class FenceKind { kWire, kRails };
+
+/// Fence from arc length `from_m` to `to_m`, `left_m` beside the track; claims its ground.
+void addFenceAlongTrack(double from_m, double to_m, double left_m, FenceKind kind,
+                        SceneBuilder* builder);
+
+/// Utility poles on a straight line with three wires and a lower cable between them. Spans are
+/// stretched where a pole would stand on the track.
+void addPowerLine(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double span_m,
+                  double height_m, SceneBuilder* builder);
+
+}  // namespace ladar_perception::sim

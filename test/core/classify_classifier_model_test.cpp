@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <stdexcept>
+
+#include "hand_model.h"
+#include "ladar_perception/classify/classifier_model.h"
+#include "temporary_file.h"
+
+namespace ladar_perception {
+namespace {
+
+using test::handModel;
+using test::TemporaryFile;
+
+/// A model that uses all there is: correlations, two components, priors, odd texts.
+ClassifierModel richModel() {
+  ClassifierModel model = handModel();
+  model.classes[1].prior = 0.125;
+  model.classes[2].mixture = {test::gaussian(0.3, {0.1, 1.0 / 3, -2e-7}, {0.1, 0.2, 0.3}),
+                              test::gaussian(0.7, {1e-12, 2e5, 0.0}, {1e-3, 1e3, 1.0})};
+  Eigen::MatrixXd& covariance = model.classes[2].mixture[0].covariance;
+  covariance(0, 1) = covariance(1, 0) = 0.012345678901;
+  model.unknown_log_likelihood = -12.5;
+  model.provenance = {{"source", "campus: seed 7, \"noisy\"\nsecond line"}, {"points", "123"}};
+  return model;
+}
+
+std::string replaced(const std::string& text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  if (at == std::string::npos) ADD_FAILURE() << "'" << from << "' is not in the model";
+  return std::string(text).replace(at, from.size(), to);
+}
+
+/// The text without a key of the top level and all that belongs to it.
+std::string withoutKey(const std::string& text, const std::string& key) {
+  std::string kept;
+  bool skipping = false;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = text.find('\n', begin) + 1;
+    const std::string line = text.substr(begin, end - begin);
+    if (line[0] != ' ') skipping = line.rfind(key + ":", 0) == 0;
+    if (!skipping) kept += line;
+    begin = end;
+  }
+  return kept;
+}
+
+/// What parsing complains about. Everything it throws must be a runtime_error about the file.
+std::string parseError(const std::string& text) {
+  try {
+    parseClassifierModel(text, "m.yaml");
+  } catch (const std::runtime_error& error) {
+    const std::string message = error.what();
+    EXPECT_EQ(message.rfind("m.yaml:", 0), 0U) << message;
+    return message;
+  }
+  ADD_FAILURE() << "no error for:\n" << text;
+  return "";
+}
+
+void expectParseError(const std::string& from, const std::string& to,
+                      std::initializer_list<const char*> parts) {
+  const std::string error = parseError(replaced(formatClassifierModel(handModel()), from, to));
+  for (const char* part : parts) {
+    EXPECT_NE(error.find(part), std::string::npos) << "'" << part << "' is not in: " << error;
+  }
+  // "m.yaml:<line>: "
+  EXPECT_TRUE(error.size() > 8 && std::isdigit(error[7]) != 0) << "no line in: " << error;
+}
+
+TEST(ClassifierModel, LabelsHaveNamesAndColours) {
+  const ClassifierModel model = handModel();
+  EXPECT_EQ(model.labelName(0), "unknown");
+  EXPECT_EQ(model.labelName(1), "surface");
+  EXPECT_EQ(model.labelName(3), "linear");
+  EXPECT_EQ(model.labelName(4), "unknown");
+  EXPECT_EQ(model.labelColor(0), kUnknownColor);
+  EXPECT_EQ(model.labelColor(2), 0x00ff00U);
+  EXPECT_EQ(model.labelColor(200), kUnknownColor);
+}
+
+TEST(ClassifierModel, FileRoundTripGivesTheSameText) {
+  for (const ClassifierModel& model : {handModel(), richModel()}) {
+    const TemporaryFile file("");
+    saveClassifierModel(model, file.path());
+    const ClassifierModel loaded = loadClassifierModel(file.path());
+    EXPECT_EQ(formatClassifierModel(loaded), formatClassifierModel(model));
+  }
+}
+
+TEST(ClassifierModel, FileRoundTripKeepsEveryValue) {
+  const ClassifierModel model = richModel();
+  const ClassifierModel loaded = parseClassifierModel(formatClassifierModel(model), "m.yaml");
+  EXPECT_EQ(loaded.features, model.features);
+  EXPECT_EQ(loaded.voxel_size_m, 0.1);
+  EXPECT_EQ(loaded.support_radius_voxels, 4);
+  EXPECT_EQ(loaded.unknown_log_likelihood, -12.5);
+  EXPECT_EQ(loaded.provenance, model.provenance);
+  ASSERT_EQ(loaded.classes.size(), model.classes.size());
+  for (std::size_t c = 0; c < model.classes.size(); ++c) {
+    EXPECT_EQ(loaded.classes[c].name, model.classes[c].name);
+    EXPECT_EQ(loaded.classes[c].rgb, model.classes[c].rgb);
+    EXPECT_EQ(loaded.classes[c].prior, model.classes[c].prior);
+    ASSERT_EQ(loaded.classes[c].mixture.size(), model.classes[c].mixture.size());
+    for (std::size_t i = 0; i < model.classes[c].mixture.size(); ++i) {
+      const GaussianComponent& a = loaded.classes[c].mixture[i];
+      const GaussianComponent& b = model.classes[c].mixture[i];
+      EXPECT_NEAR(a.weight, b.weight, 1e-9);
+      EXPECT_TRUE(a.mean.isApprox(b.mean, 1e-8));
+      EXPECT_TRUE(a.covariance.isApprox(b.covariance, 1e-8));
+    }
+  }
+}
+
+TEST(ClassifierModel, NoThresholdAndNoProvenanceRoundTrip) {
+  ClassifierModel model = handModel();
+  model.provenance.clear();
+  EXPECT_TRUE(std::isinf(model.unknown_log_likelihood));
+  const ClassifierModel loaded = parseClassifierModel(formatClassifierModel(model), "m.yaml");
+  EXPECT_EQ(loaded.unknown_log_likelihood, model.unknown_log_likelihood);
+  EXPECT_TRUE(loaded.provenance.empty());
+}
+
+TEST(ClassifierModel, EveryMissingKeyIsNamed) {
+  for (const char* key : {"format", "voxel_size_m", "support_radius_voxels", "features",
+                          "unknown_log_likelihood", "classes"}) {
+    const std::string text = withoutKey(formatClassifierModel(handModel()), key);
+    const std::string error = parseError(text);
+    EXPECT_NE(error.find("'" + std::string(key) + "' is missing"), std::string::npos) << error;
+  }
+  expectParseError("    prior: 1\n", "", {"'prior' is missing"});
+  expectParseError("    color: [255, 0, 0]\n", "", {"'color' is missing"});
+  expectParseError("- weight: 1\n        mean: [0.05, 0.4, 0.2]\n", "- weight: 1\n",
+                   {"'mean' is missing"});
+}
+
+TEST(ClassifierModel, UnknownKeysAreNamedWithTheirLine) {
+  expectParseError("voxel_size_m:", "colour: 3\nvoxel_size_m:", {"unknown key 'colour'", ":4:"});
+  const std::string text = formatClassifierModel(handModel());
+  const std::size_t prior = text.find("    prior:");
+  const auto line = 1 + std::count(text.begin(), text.begin() + prior, '\n');
+  expectParseError("    prior: 1", "    priors: 1",
+                   {"unknown key 'priors'", (":" + std::to_string(line) + ":").c_str()});
+  expectParseError("- weight: 1", "- wait: 1", {"unknown key 'wait'"});
+  expectParseError("voxel_size_m:", "? [a, b]\n: 3\nvoxel_size_m:", {"key"});
+}
+
+TEST(ClassifierModel, WrongTypesSayWhatIsExpected) {
+  expectParseError("voxel_size_m: 0.1", "voxel_size_m: big", {"'voxel_size_m' must be a number"});
+  expectParseError("voxel_size_m: 0.1", "voxel_size_m: [1]", {"'voxel_size_m'", "a number"});
+  expectParseError("voxel_size_m: 0.1", "voxel_size_m: -0.1", {"voxel_size_m", "> 0"});
+  expectParseError("support_radius_voxels: 4", "support_radius_voxels: 4.5",
+                   {"'support_radius_voxels' must be an integer"});
+  expectParseError("unknown_log_likelihood: -.inf", "unknown_log_likelihood: none",
+                   {"'unknown_log_likelihood' must be a number"});
+  expectParseError("name: \"surface\"", "name: [surface]", {"'name' must be a name"});
+  expectParseError("[255, 0, 0]", "red", {"'color' must be three integers"});
+  expectParseError("[255, 0, 0]", "[255, 0]", {"'color' must be three integers"});
+  expectParseError("[255, 0, 0]", "[256, 0, 0]", {"0 to 255"});
+  expectParseError("prior: 1", "prior: 0", {"'prior' must be positive"});
+  expectParseError("prior: 1", "prior: .nan", {"'prior' must be positive"});
+  expectParseError("[0.05, 0.4, 0.2]", "[0.05, x, 0.2]", {"'mean' must be a list of numbers"});
+  expectParseError("features:\n", "features: 3\nx:\n", {"x"});
+  expectParseError("  \"source\": \"made by hand for tests\"", "  - text", {"'provenance'"});
+}
+
+TEST(ClassifierModel, AThresholdThatIsNoNumberIsRefused) {
+  expectParseError("unknown_log_likelihood: -.inf", "unknown_log_likelihood: .nan",
+                   {"unknown_log_likelihood"});
+}
+
+TEST(ClassifierModel, MixturesMustBeMixtures) {
+  expectParseError("[0.0144, 0, 0]", "[-0.0144, 0, 0]", {"'surface'", "positive definite"});
+  expectParseError("[0.0144, 0, 0]", "[0.0144, 0.1, 0]", {"'surface'", "symmetric"});
+  expectParseError("[0.0144, 0, 0]", "[0.0144, 0]", {"covariance must be 3 x 3"});
+  expectParseError("          - [0.0144, 0, 0]\n", "", {"covariance must be 3 x 3"});
+  expectParseError("[0.0144, 0, 0]", "[.nan, 0, 0]", {"'surface'", "finite"});
+  expectParseError("[0.05, 0.4, 0.2]", "[0.05, 0.4]", {"'surface'", "mean must have 3"});
+  expectParseError("weight: 1", "weight: 0.5", {"'surface'", "weights sum to 0.5"});
+  expectParseError("weight: 1", "weight: -1", {"'surface'", "weight must be positive"});
+}
+
+TEST(ClassifierModel, ClassesAndFeaturesMustFit) {
+  expectParseError("\"scatter\"", "\"surface\"", {"'surface' is taken"});
+  expectParseError("\"scatter\"", "\"unknown\"", {"'unknown' is taken"});
+  expectParseError("- cbrt_scatter", "- redness", {"'redness'", "cbrt_linear"});
+  expectParseError("  - cbrt_scatter\n", "", {"must be 2 x 2"});
+  expectParseError("classifier/1", "classifier/2", {"classifier/2", "classifier/1", ":1:"});
+  ClassifierModel model = handModel();
+  model.classes.resize(1);
+  EXPECT_NE(parseError(formatClassifierModel(model)).find("2 to 16"), std::string::npos);
+  model.classes.resize(17, model.classes[0]);
+  EXPECT_NE(parseError(formatClassifierModel(model)).find("2 to 16"), std::string::npos);
+}
+
+TEST(ClassifierModel, AFileCutOffAnywhereIsRefused) {
+  const std::string text = formatClassifierModel(richModel());
+  ASSERT_EQ(text.back(), '\n');
+  for (std::size_t size = 0; size < text.size(); ++size) {
+    try {
+      parseClassifierModel(text.substr(0, size), "m.yaml");
+      ADD_FAILURE() << "the first " << size << " bytes are taken for a model";
+    } catch (const std::runtime_error& error) {
+      ASSERT_EQ(std::string(error.what()).rfind("m.yaml:", 0), 0U) << error.what() << "\n" << size;
+    }
+  }
+}
+
+TEST(ClassifierModel, NoYamlNoMapNoFile) {
+  parseError("");
+  parseError("# nothing\n");
+  parseError("- 1\n- 2\n");
+  EXPECT_NE(parseError("format: [1\nx: {\n").find("YAML"), std::string::npos);
+  for (const std::string path : {"/nowhere/model.yaml", "/tmp"}) {
+    try {
+      loadClassifierModel(path);
+      ADD_FAILURE() << path;
+    } catch (const std::runtime_error& error) {
+      EXPECT_EQ(std::string(error.what()).rfind(path + ":", 0), 0U) << error.what();
+    }
+  }
+  EXPECT_THROW(saveClassifierModel(handModel(), "/nowhere/model.yaml"), std::runtime_error);
+}
+
+TEST(ModelMisfit, NamesWhatDiffers) {
+  const ClassifierModel model = handModel();
+  EXPECT_EQ(modelMisfit(model, 0.1, 4), "");
+  EXPECT_EQ(modelMisfit(model, 0.1 + 1e-9, 4), "");
+  EXPECT_EQ(modelMisfit(model, 0.2, 4),
+            "it was learned at voxel_size_m 0.1, the configuration has 0.2");
+  EXPECT_EQ(modelMisfit(model, 0.1, 3),
+            "it was learned at support_radius_voxels 4, the configuration has 3");
+  const std::string both = modelMisfit(model, 0.05, 6);
+  EXPECT_NE(both.find("0.05; it was learned at support_radius_voxels 4"), std::string::npos)
+      << both;
+}
+
+}  // namespace
+}  // namespace ladar_perception

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What stands around a terrain node in a test: a source of scans and transforms, and ears for all
+// it says. Callbacks run inside waitFor only, so that no test needs a lock.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <gtest/gtest.h>
+#include <ladar_perception/TerrainStatistics.h>
+#include <nodelet/NodeletLoad.h>
+#include <nodelet/NodeletUnload.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+#include <rosgraph_msgs/Log.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <std_srvs/Trigger.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include "ros_scene.h"
+
+namespace ladar_perception::test {
+
+/// For whatever must come; only a failing test waits so long.
+constexpr double kPatience_s = 30.0;
+
+const std::string kTestModel = std::string(LADAR_SOURCE_DIR) + "/test/data/ros_model.yaml";
+const std::string kTestConfig = std::string(LADAR_SOURCE_DIR) + "/test/data/ros_terrain.yaml";
+
+/// Handles messages until the condition holds or time (of the wall) is up; says which.
+inline bool waitFor(const std::function<bool()>& condition, double timeout_s = kPatience_s) {
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(timeout_s);
+  while (ros::ok()) {
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.005));
+    if (condition()) return true;
+    if (ros::WallTime::now() > end) return false;
+  }
+  return false;
+}
+
+/// Calls a service without standing still meanwhile: false if it does not answer in time.
+template <typename Service>
+bool callService(const std::string& name, Service* service, double timeout_s = kPatience_s) {
+  bool there = false;
+  waitFor([&] { return there = ros::service::exists(name, false); }, timeout_s);
+  return there && ros::service::call(name, *service);
+}
+
+/// Log messages of all nodes.
+class LogListener {
+ public:
+  LogListener() {
+    subscriber_ = ros::NodeHandle().subscribe<rosgraph_msgs::Log>(
+        "/rosout", 1000, [this](const rosgraph_msgs::LogConstPtr& log) { logs_.push_back(*log); });
+  }
+  int count(const std::string& text) const {
+    int hits = 0;
+    for (const auto& log : logs_) hits += log.msg.find(text) != std::string::npos ? 1 : 0;
+    return hits;
+  }
+  /// The first message with the text in it, or "".
+  std::string find(const std::string& text) const {
+    for (const auto& log : logs_) {
+      if (log.msg.find(text) != std::string::npos) return log.msg;
+    }
+    return "";
+  }
+
+ private:
+  std::vector<rosgraph_msgs::Log> logs_;
+  ros::Subscriber subscriber_;
+};
+
+/// The last diagnostics of the statuses whose name has a text in it.
+class DiagnosticsListener {
+ public:
+  explicit DiagnosticsListener(const std::string& name) {
+    using diagnostic_msgs::DiagnosticArrayConstPtr;
+    subscriber_ = ros::NodeHandle().subscribe<diagnostic_msgs::DiagnosticArray>(
+        "/diagnostics", 100, [this, name](const DiagnosticArrayConstPtr& message) {
+          for (const auto& status : message->status) {
+            if (status.name.find(name) == std::string::npos) continue;
+            summary = status.message;
+            for (const auto& entry : status.values) values[entry.key] = entry.value;
+          }
+        });
+  }
+
+  std::map<std::string, std::string> values;
+  std::string summary;
+
+ private:
+  ros::Subscriber subscriber_;
+};
+
+/// Count under a reason; ~0 if the reason is not listed.
+inline uint64_t countOf(const std::vector<DropCount>& drops, const std::string& reason) {
+  for (const DropCount& drop : drops) {
+    if (drop.reason == reason) return drop.count;
+  }
+  return ~uint64_t{0};
+}
+
+inline uint64_t sumOf(const std::vector<DropCount>& drops) {
+  uint64_t sum = 0;
+  for (const DropCount& drop : drops) sum += drop.count;
+  return sum;
+}
+
+/// Feeds the terrain node whose topics lie in namespace `ns` and collects what it publishes.
+class TerrainClient {
+ public:
+  explicit TerrainClient(const std::string& node_name, const std::string& ns = "/")
+      : node_name_(node_name), handle_(ns) {
+    points_ = handle_.advertise<sensor_msgs::PointCloud2>("points", 1000);
+    // One latched message holds all static transforms.
+    tf_static_ = handle_.advertise<tf2_msgs::TFMessage>("/tf_static", 1, true);
+    tf_ = handle_.advertise<tf2_msgs::TFMessage>("/tf", 1000);
+    labeled_sub_ = handle_.subscribe<sensor_msgs::PointCloud2>(
+        "labeled_points", 1000,
+        [this](const sensor_msgs::PointCloud2ConstPtr& cloud) { labeled.push_back(cloud); });
+    map_sub_ = handle_.subscribe<sensor_msgs::PointCloud2>(
+        "labeled_map", 1000,
+        [this](const sensor_msgs::PointCloud2ConstPtr& cloud) { maps.push_back(cloud); });
+    statistics_sub_ = handle_.subscribe<TerrainStatistics>(
+        "statistics", 1000,
+        [this](const TerrainStatisticsConstPtr& message) { statistics = *message; });
+  }
+
+  /// Waits until every connection stands, in both directions.
+  bool connected() {
+    return waitFor([this] {
+      return points_.getNumSubscribers() > 0 && tf_.getNumSubscribers() > 0 &&
+             tf_static_.getNumSubscribers() > 0 && labeled_sub_.getNumPublishers() > 0 &&
+             map_sub_.getNumPublishers() > 0 && statistics_sub_.getNumPublishers() > 0;
+    });
+  }
+
+  /// Waits until the node and its connections are gone.
+  bool disconnected() {
+    return waitFor([this] {
+      return points_.getNumSubscribers() == 0 && tf_.getNumSubscribers() == 0 &&
+             tf_static_.getNumSubscribers() == 0 && labeled_sub_.getNumPublishers() == 0;
+    });
+  }
+
+  void sendMount(const std::vector<std::string>& sensor_frames = {kSensorFrame}) {
+    tf2_msgs::TFMessage message;
+    for (const std::string& frame : sensor_frames) {
+      message.transforms.push_back(
+          transformMessage(ros::Time(1), kVehicleFrame, frame, sensorMount()));
+    }
+    tf_static_.publish(message);
+  }
+  void send(const std::vector<geometry_msgs::TransformStamped>& transforms) {
+    tf2_msgs::TFMessage message;
+    message.transforms = transforms;
+    tf_.publish(message);
+  }
+  void send(const sensor_msgs::PointCloud2& scan) { points_.publish(scan); }
+
+  /// Sends a scan and waits for its labels; nullptr if they do not come.
+  sensor_msgs::PointCloud2ConstPtr label(const sensor_msgs::PointCloud2& scan,
+                                         double timeout_s = kPatience_s) {
+    const std::size_t before = labeled.size();
+    send(scan);
+    waitFor([&] { return labeled.size() > before; }, timeout_s);
+    if (labeled.size() <= before || labeled.back()->header.stamp != scan.header.stamp) {
+      return nullptr;
+    }
+    return labeled.back();
+  }
+  /// The same for scans [begin, end) of a drive with their transforms; how many were labelled.
+  int labelScans(const Drive& drive, int begin, int end, double density = 1.0) {
+    send(drive.vehicleTransforms(begin, end));
+    int count = 0;
+    for (int i = begin; i < end; ++i) count += label(drive.scan(i, density)) ? 1 : 0;
+    return count;
+  }
+  bool waitForStatistics(const std::function<bool(const TerrainStatistics&)>& condition,
+                         double timeout_s = kPatience_s) {
+    return waitFor([&] { return condition(statistics); }, timeout_s);
+  }
+  bool reset(double timeout_s = kPatience_s) {
+    std_srvs::Trigger trigger;
+    return callService(node_name_ + "/reset", &trigger, timeout_s) && trigger.response.success;
+  }
+
+  std::vector<sensor_msgs::PointCloud2ConstPtr> labeled;
+  std::vector<sensor_msgs::PointCloud2ConstPtr> maps;
+  TerrainStatistics statistics;  ///< the last
+
+ private:
+  std::string node_name_;
+  ros::NodeHandle handle_;
+  ros::Publisher points_;
+  ros::Publisher tf_;
+  ros::Publisher tf_static_;
+  ros::Subscriber labeled_sub_;
+  ros::Subscriber map_sub_;
+  ros::Subscriber statistics_sub_;
+};
+
+/// Parameters of a node for a test: all but the model as the package has them, and frequent
+/// statistics.
+inline void setTestParameters(const std::string& node_name) {
+  ros::param::del(node_name);
+  ros::param::set(node_name + "/model", kTestModel);
+  ros::param::set(node_name + "/statistics_rate_hz", 20.0);
+  ros::param::set(node_name + "/tf_timeout_s", 5.0);
+  ros::param::set(node_name + "/map_rate_hz", 5.0);
+}
+
+/// A nodelet manager that a .test file starts.
+class Manager {
+ public:
+  explicit Manager(std::string name) : name_(std::move(name)) {}
+
+  /// Loads the terrain nodelet as `nodelet_name` with the parameters that stand there.
+  bool load(const std::string& nodelet_name) const {
+    nodelet::NodeletLoad load;
+    load.request.name = nodelet_name;
+    load.request.type = "ladar_perception/TerrainNodelet";
+    return callService(name_ + "/load_nodelet", &load) && load.response.success;
+  }
+  bool unload(const std::string& nodelet_name) const {
+    nodelet::NodeletUnload unload;
+    unload.request.name = nodelet_name;
+    return callService(name_ + "/unload_nodelet", &unload) && unload.response.success;
+  }
+
+ private:
+  std::string name_;
+};
+
+/// A terrain nodelet <ns>/terrain in the manager /manager, with test parameters and `parameters`
+/// besides, and its client; both as long as the object lives.
+class LoadedTerrain {
+ public:
+  explicit LoadedTerrain(const std::string& ns,
+                         const std::map<std::string, double>& parameters = {})
+      : name_(ns + "/terrain"), client_(std::make_unique<TerrainClient>(name_, ns)) {
+    setTestParameters(name_);
+    for (const auto& [name, value] : parameters) {
+      // Whole parameters must be whole on the server too.
+      const bool whole = name == "queue_size" || name == "threads";
+      whole ? ros::param::set(name_ + "/" + name, static_cast<int>(value))
+            : ros::param::set(name_ + "/" + name, value);
+    }
+    loaded_ = manager_.load(name_);
+    connected_ = loaded_ && client_->connected();
+  }
+  ~LoadedTerrain() {
+    EXPECT_TRUE(!loaded_ || manager_.unload(name_));
+    EXPECT_TRUE(client_->disconnected());
+    ros::param::del(name_);
+  }
+  LoadedTerrain(const LoadedTerrain&) = delete;
+  LoadedTerrain& operator=(const LoadedTerrain&) = delete;
+
+  /// Whether it loaded and all its topics stand.
+  bool ready() const { return connected_; }
+  TerrainClient* operator->() { return client_.get(); }
+  TerrainClient& operator*() { return *client_; }
+
+ private:
+  std::string name_;
+  Manager manager_{"/manager"};
+  std::unique_ptr<TerrainClient> client_;
+  bool loaded_ = false;
+  bool connected_ = false;
+};
+
+/// Share of the points of a true class that got its label.
+inline double recallOf(const sensor_msgs::PointCloud2& labeled, uint8_t label) {
+  const std::vector<double> truth = fieldValues(labeled, "truth");
+  const std::vector<double> found = fieldValues(labeled, "label");
+  double points = 0;
+  double right = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (truth[i] != label) continue;
+    ++points;
+    right += i < found.size() && found[i] == label ? 1 : 0;
+  }
+  return points > 0 ? right / points : 0.0;
+}
+
+/// main() of a test under rostest.
+inline int runRosTest(int argc, char** argv, const std::string& name) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, name);
+  ros::NodeHandle keep_alive;
+  return RUN_ALL_TESTS();
+}
+
+}  // namespace ladar_perception::test

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// simulate_ladar: drives a simulated ladar through a scene and records a bag with true classes.
+#include <ros/time.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <iostream>
+#include <string>
+
+#include "ladar_perception/sim/scan_cloud.h"
+#include "ladar_perception/sim/world.h"
+#include "ladar_perception/util/progress.h"
+#include "scan_bag_writer.h"
+
+namespace {
+
+using ladar_perception::Progress;
+using ladar_perception::ScanBagWriter;
+using ladar_perception::sim::Ladar;
+using ladar_perception::sim::LadarConfig;
+using ladar_perception::sim::ScanSummary;
+using ladar_perception::sim::VehiclePath;
+using ladar_perception::sim::World;
+
+// Not the clock of the machine: the same arguments give the same bytes.
+constexpr double kStartS = 1000.0;
+constexpr double kPoseRateHz = 100.0;
+
+struct Options {
+  std::string scene = "flat_ground";
+  double duration_s = 20.0;
+  double speed_m_s = 2.0;
+  uint64_t seed = 1;
+  std::string out;
+};
+
+ros::Time stampAt(double time_s) {
+  // Rounded to nanoseconds once, so that equal times give equal stamps.
+  const auto nanoseconds = static_cast<uint64_t>(std::llround((kStartS + time_s) * 1e9));
+  ros::Time stamp;
+  stamp.fromNSec(nanoseconds);
+  return stamp;
+}
+
+/// Writes poses at a fixed rate, in step with the scans.
+class PoseRecorder {
+ public:
+  PoseRecorder(const VehiclePath& path, const Ladar& ladar, ScanBagWriter* bag)
+      : path_(path), ladar_(ladar), bag_(bag) {}
+
+  /// Writes all poses not yet written up to `time_s`. The first lies before time 0, because
+  /// transforms can be interpolated only between two samples.
+  void writeUntil(double time_s) {
+    for (; static_cast<double>(next_) / kPoseRateHz <= time_s + 1e-9; ++next_) {
+      const double t = static_cast<double>(next_) / kPoseRateHz;
+      bag_->writeTransform(stampAt(t), "odom", "base_link", path_.T_odom_base(t));
+      bag_->writeTransform(stampAt(t), "base_link", "ladar", ladar_.T_base_ladar(t));
+    }
+  }
+
+ private:
+  const VehiclePath& path_;
+  const Ladar& ladar_;
+  ScanBagWriter* bag_;
+  int64_t next_ = -1;
+};
+
+double percent(uint64_t part, uint64_t whole) {
+  return 100.0 * static_cast<double>(part) / static_cast<double>(std::max<uint64_t>(whole, 1));
+}
+
+void printSummary(const Options& options, uint64_t scans, const ScanSummary& sum, double seconds) {
+  std::printf("%s: scene %s, seed %llu, %llu scans, %llu points, %.1f %% returned, %.1f s\n",
+              options.out.c_str(), options.scene.c_str(),
+              static_cast<unsigned long long>(options.seed), static_cast<unsigned long long>(scans),
+              static_cast<unsigned long long>(sum.beams), percent(sum.returned, sum.beams),
+              seconds);
+  std::printf("of the returns: surface %.1f %%, scatter %.1f %%, linear %.1f %%, mixed %.1f %%\n",
+              percent(sum.surface, sum.returned), percent(sum.scatter, sum.returned),
+              percent(sum.linear, sum.returned), percent(sum.mixed, sum.returned));
+}
+
+void simulate(const Options& options) {
+  const LadarConfig config;
+  const auto scans =
+      static_cast<uint64_t>(std::max(1.0, std::floor(options.duration_s * config.rate_hz + 1e-9)));
+  const auto begin = std::chrono::steady_clock::now();
+  ScanBagWriter bag(options.out, "/points");  // first: a wrong path should not cost a scene
+  const World world = ladar_perception::sim::makeWorld(options.scene, options.seed);
+  const VehiclePath path(world.circuit, world.scene.ground(), options.speed_m_s);
+  const Ladar ladar(config, world.scene, path, options.seed);
+  const auto layout = ladar_perception::sim::scanLayout(config);
+  PoseRecorder poses(path, ladar, &bag);
+  ScanSummary summary;
+  Progress progress("scans", scans);
+  for (uint64_t i = 0; i < scans; ++i) {
+    const double start_s = ladar.startTime(i);
+    const auto scan = ladar.takeScan(i);
+    const bool is_dense =
+        std::all_of(scan.begin(), scan.end(), [](const auto& beam) { return beam.valid(); });
+    // The bag is in the order of time: a cloud is complete one scan period after its stamp.
+    poses.writeUntil(start_s + config.scanPeriod());
+    bag.writeCloud(stampAt(start_s), stampAt(start_s + config.scanPeriod()), "ladar", layout,
+                   ladar_perception::sim::encodeScan(scan, config), is_dense);
+    summary.add(scan);
+    progress.advance();
+  }
+  poses.writeUntil(ladar.startTime(scans) + 1.0 / kPoseRateHz);
+  progress.finish();
+  bag.close();
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  printSummary(options, scans, summary, elapsed.count());
+}
+
+/// CLI::Range lets NaN pass: every comparison with it is false.
+std::string finite(const std::string& text) {
+  const bool is_nan = std::isnan(std::strtod(text.c_str(), nullptr));
+  return is_nan ? "Value " + text + " is not a number" : "";
+}
+
+void addOptions(CLI::App* app, Options* options) {
+  app->add_option("--scene", options->scene,
+                  "What to drive through: flat_ground (fences, hedges, power lines), forest, "
+                  "tall_grass (up to 1 m), campus (buildings, cars, bicycles)")
+      ->check(CLI::IsMember(ladar_perception::sim::sceneNames()))
+      ->capture_default_str();
+  app->add_option("--duration", options->duration_s,
+                  "Seconds to record, 0.05 to 3600; 20 scans per second")
+      ->check(CLI::Range(0.05, 3600.0))
+      ->check(finite)
+      ->capture_default_str();
+  app->add_option("--speed", options->speed_m_s,
+                  "Speed of the vehicle along its closed track, m/s, 0 to 15")
+      ->check(CLI::Range(0.0, 15.0))
+      ->check(finite)
+      ->capture_default_str();
+  app->add_option("--seed", options->seed,
+                  "Number that names the scene and the noise; the same arguments give the same "
+                  "bytes")
+      ->capture_default_str();
+  app->add_option("--out", options->out, "Bag to write; replaced if it exists")
+      ->required()
+      ->type_name("FILE.bag");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Simulates a turreted range-image ladar (180 x 32 beams, 90 x 20 degrees, 20 Hz) on a "
+      "vehicle "
+      "that\ndrives through a scene, and records a bag: organised clouds with per-point times, "
+      "true classes\n(1 surface, 2 scatter, 3 linear, 0 unknown) and colours on /points, and "
+      "odom -> base_link -> ladar on /tf.");
+  app.name("simulate_ladar");
+  app.footer("Example: rosrun ladar_perception simulate_ladar --scene forest --out forest.bag");
+  Options options;
+  addOptions(&app, &options);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    simulate(options);
+  } catch (const std::exception& error) {
+    std::cerr << "simulate_ladar: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}
