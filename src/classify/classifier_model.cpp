@@ -28,7 +28,8 @@ class ModelReader {
   void expectKeys(const YAML::Node& map, const std::set<std::string>& keys) const {
     if (!map.IsMap()) fail(map, "expected a map");
     for (const auto& entry : map) {
-      const auto key = entry.first.as<std::string>();
+      if (!entry.first.IsScalar()) fail(entry.first, "expected a key, got a list or a map");
+      const std::string& key = entry.first.Scalar();
       if (keys.count(key) == 0) fail(entry.first, "unknown key '" + key + "'");
     }
   }
@@ -148,7 +149,11 @@ ClassifierModel readModel(const ModelReader& reader, const YAML::Node& root) {
   if (!(model.voxel_size_m > 0.0)) reader.fail(root["voxel_size_m"], "voxel_size_m must be > 0");
   model.support_radius_voxels = reader.value<int>(root, "support_radius_voxels", "an integer");
   model.unknown_log_likelihood = reader.value<double>(root, "unknown_log_likelihood", "a number");
-  if (const YAML::Node provenance = root["provenance"]) {
+  if (std::isnan(model.unknown_log_likelihood)) {
+    reader.fail(root["unknown_log_likelihood"], "unknown_log_likelihood must not be NaN");
+  }
+  const YAML::Node provenance = root["provenance"];
+  if (provenance.IsDefined() && !provenance.IsNull()) {
     model.provenance = reader.value<std::map<std::string, std::string>>(
         provenance, "'provenance' must map names to texts");
   }
@@ -211,6 +216,10 @@ ClassifierModel parseClassifierModel(const std::string& text, const std::string&
                              ": no YAML: " + error.msg);
   }
   if (!root.IsMap()) throw std::runtime_error(path + ": is empty or no map, expected a model");
+  // A file cut off within its last number would still be YAML.
+  if (text.back() != '\n') {
+    throw std::runtime_error(path + ": the last line does not end, is the file complete?");
+  }
   return readModel(ModelReader(path), root);
 }
 
@@ -231,8 +240,10 @@ std::string formatClassifierModel(const ClassifierModel& model) {
   out << "voxel_size_m: " << number(model.voxel_size_m)
       << "\nsupport_radius_voxels: " << model.support_radius_voxels << "\nfeatures:\n";
   for (const Feature feature : model.features) out << "  - " << featureName(feature) << "\n";
-  out << "unknown_log_likelihood: " << number(model.unknown_log_likelihood) << "\nclasses:\n";
+  out << "classes:\n";
   for (const ModelClass& model_class : model.classes) writeClass(model_class, out);
+  // Last, because it is required: a file cut off between two classes lacks it.
+  out << "unknown_log_likelihood: " << number(model.unknown_log_likelihood) << "\n";
   return out.str();
 }
 

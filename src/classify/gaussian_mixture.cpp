@@ -13,6 +13,7 @@ namespace ladar_perception {
 namespace {
 
 constexpr int kSize = FeatureBlock::kSize;
+constexpr float kLeastLogDensity = -1e30F;
 
 std::string componentError(const GaussianComponent& component, int features) {
   if (!(component.weight > 0.0) || !std::isfinite(component.weight)) {
@@ -93,6 +94,11 @@ void GaussianMixture::logLikelihood(const FeatureBlock& block, float* log_likeli
       for (int lane = 0; lane < kSize; ++lane) {
         log_density[lane] -= 0.5F * whitened[lane] * whitened[lane];
       }
+    }
+    // Beyond 1e15 deviations squares overflow; -inf or NaN would spoil every sum they enter. The
+    // order of the arguments matters: max(a, NaN) is a.
+    for (int lane = 0; lane < kSize; ++lane) {
+      log_density[lane] = std::max(kLeastLogDensity, log_density[lane]);
     }
     if (c == 0) {
       std::copy(log_density, log_density + kSize, log_sum);

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <numeric>
+#include <sstream>
 #include <stdexcept>
 
 #include <yaml-cpp/yaml.h>
@@ -144,11 +146,16 @@ std::string ParamTable::closestName(const std::string& name) const {
 }
 
 ParamMap loadParamFile(const std::string& path) {
+  std::ifstream file(path);
+  file.peek();  // a folder can be opened, but not read
+  if (!file.is_open() || file.bad()) {
+    throw std::runtime_error(path + ": configuration file cannot be opened");
+  }
+  std::ostringstream text;
+  text << file.rdbuf();
   YAML::Node root;
   try {
-    root = YAML::LoadFile(path);
-  } catch (const YAML::BadFile&) {
-    throw std::runtime_error(path + ": configuration file cannot be opened");
+    root = YAML::Load(text.str());
   } catch (const YAML::Exception& error) {
     throw std::runtime_error(path + ":" + std::to_string(error.mark.line + 1) +
                              ": no YAML: " + error.msg);

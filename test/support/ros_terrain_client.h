@@ -16,7 +16,9 @@
 #include <nodelet/NodeletLoad.h>
 #include <nodelet/NodeletUnload.h>
 #include <ros/callback_queue.h>
+#include <ros/network.h>
 #include <ros/ros.h>
+#include <ros/xmlrpc_manager.h>
 #include <rosgraph_msgs/Log.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <std_srvs/Trigger.h>
@@ -57,6 +59,26 @@ class LogListener {
   LogListener() {
     subscriber_ = ros::NodeHandle().subscribe<rosgraph_msgs::Log>(
         "/rosout", 1000, [this](const rosgraph_msgs::LogConstPtr& log) { logs_.push_back(*log); });
+  }
+  /// Waits until the log of a node is connected: nobody repeats what was said before.
+  bool hears(const std::string& node) {
+    return waitFor([&] {
+      XmlRpc::XmlRpcValue request, response, info;
+      request[0] = ros::this_node::getName();
+      // This process's own list of its connections, as rosnode info asks for it.
+      std::string host;
+      uint32_t port = 0;
+      ros::network::splitURI(ros::XMLRPCManager::instance()->getServerURI(), host, port);
+      XmlRpc::XmlRpcClient client(host.c_str(), static_cast<int>(port), "/");
+      if (!client.execute("getBusInfo", request, response)) return false;
+      info = response[2];
+      for (int i = 0; i < info.size(); ++i) {
+        const std::string peer = info[i][1];
+        const std::string topic = info[i][4];
+        if (topic == "/rosout" && peer.find(node) != std::string::npos) return true;
+      }
+      return false;
+    });
   }
   int count(const std::string& text) const {
     int hits = 0;
@@ -121,6 +143,9 @@ class TerrainClient {
     // One latched message holds all static transforms.
     tf_static_ = handle_.advertise<tf2_msgs::TFMessage>("/tf_static", 1, true);
     tf_ = handle_.advertise<tf2_msgs::TFMessage>("/tf", 1000);
+    // Other nodes of the test may listen to tf already.
+    tf_others_ = tf_.getNumSubscribers();
+    tf_static_others_ = tf_static_.getNumSubscribers();
     labeled_sub_ = handle_.subscribe<sensor_msgs::PointCloud2>(
         "labeled_points", 1000,
         [this](const sensor_msgs::PointCloud2ConstPtr& cloud) { labeled.push_back(cloud); });
@@ -135,8 +160,8 @@ class TerrainClient {
   /// Waits until every connection stands, in both directions.
   bool connected() {
     return waitFor([this] {
-      return points_.getNumSubscribers() > 0 && tf_.getNumSubscribers() > 0 &&
-             tf_static_.getNumSubscribers() > 0 && labeled_sub_.getNumPublishers() > 0 &&
+      return points_.getNumSubscribers() > 0 && tf_.getNumSubscribers() > tf_others_ &&
+             tf_static_.getNumSubscribers() > tf_static_others_ && labeled_sub_.getNumPublishers() > 0 &&
              map_sub_.getNumPublishers() > 0 && statistics_sub_.getNumPublishers() > 0;
     });
   }
@@ -144,8 +169,8 @@ class TerrainClient {
   /// Waits until the node and its connections are gone.
   bool disconnected() {
     return waitFor([this] {
-      return points_.getNumSubscribers() == 0 && tf_.getNumSubscribers() == 0 &&
-             tf_static_.getNumSubscribers() == 0 && labeled_sub_.getNumPublishers() == 0;
+      return points_.getNumSubscribers() == 0 && tf_.getNumSubscribers() <= tf_others_ &&
+             tf_static_.getNumSubscribers() <= tf_static_others_ && labeled_sub_.getNumPublishers() == 0;
     });
   }
 
@@ -201,6 +226,8 @@ class TerrainClient {
   ros::Publisher points_;
   ros::Publisher tf_;
   ros::Publisher tf_static_;
+  uint32_t tf_others_ = 0;
+  uint32_t tf_static_others_ = 0;
   ros::Subscriber labeled_sub_;
   ros::Subscriber map_sub_;
   ros::Subscriber statistics_sub_;

@@ -1,0 +1,55 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Builds everything with warnings as errors and runs every test: core, programs, ROS, launch files,
+# catkin_lint, the core without ROS under the address and undefined-behaviour sanitizers, and an
+# install space. Tests on real data look for it in $LADAR_DATA (default ../shared/data).
+set -euo pipefail
+cd "$(dirname "$(realpath "$0")")"
+. scripts/prepare.sh
+
+step() { printf '== %s (%d s)\n' "$*" "$SECONDS"; }
+
+install_missing "${build_packages[@]}" "${run_packages[@]}" "${test_packages[@]}"
+
+step "building"
+build build all -DCMAKE_BUILD_TYPE=Release -DLADAR_WARNINGS_AS_ERRORS=ON
+run_logged build/build_tests.log ninja -C build tests
+
+step "core, program and ROS tests, launch files"
+set +u
+. build/devel/setup.sh
+set -u
+rm -rf build/test_results build/check_results
+mkdir -p build/test_results build/check_results
+# Failures are counted from the reports, all of them.
+ninja -C build run_tests >build/run_tests.log 2>&1 ||
+  echo "run_tests itself failed; see build/run_tests.log" >&2
+
+step "core without ROS, with sanitizers"
+build build/sanitize all -DLADAR_WITH_ROS=OFF -DLADAR_WARNINGS_AS_ERRORS=ON \
+  -DLADAR_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=RelWithDebInfo \
+  "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -g"
+UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 ctest --test-dir build/sanitize \
+  --output-on-failure --output-junit "$PWD/build/check_results/sanitize.xml" \
+  >build/sanitize.log 2>&1 || true
+
+# check NAME COMMAND...: one more test, passed when the command succeeds.
+checks=()
+check() {
+  local name="$1"
+  shift
+  if "$@" >"build/check_results/$name.log" 2>&1; then
+    checks+=("$name=passed")
+  else
+    checks+=("$name=failed")
+    tail -n 15 "build/check_results/$name.log" >&2
+  fi
+}
+
+step "catkin_lint, install space"
+# The two commands of the README are for a clone, not for an install space.
+check catkin_lint catkin_lint --strict -W1 --ignore uninstalled_script .
+check install_space scripts/check_install_space.sh build
+
+step "done"
+scripts/summarize_tests.py build/test_results build/check_results/sanitize.xml "${checks[@]}"

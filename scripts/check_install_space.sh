@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Installs a build (configured with CMAKE_INSTALL_PREFIX <build>/install) and uses what was
+# installed, far from the sources.
+#   check_install_space.sh BUILD_FOLDER
+set -euo pipefail
+build="$(realpath "$1")"
+prefix="$build/install"
+rm -rf "$prefix"
+DESTDIR='' cmake --install "$build" >"$build/install.log"
+
+unset ROS_PACKAGE_PATH CMAKE_PREFIX_PATH LD_LIBRARY_PATH PYTHONPATH ROS_MASTER_URI
+set +u
+. "$prefix/setup.sh"
+set -u
+cd /
+share="$prefix/share/ladar_perception"
+[ "$(rospack find ladar_perception)" = "$share" ]
+rospack plugins --attrib=plugin nodelet | grep -q "ladar_perception $share/nodelet_plugins.xml"
+[ -f "$prefix/lib/libladar_perception_nodelets.so" ]
+if ldd "$prefix/lib/libladar_perception_nodelets.so" | grep 'not found'; then exit 1; fi
+
+work="$(mktemp -d)"
+trap 'rm -rf "$work"' EXIT
+rosrun ladar_perception simulate_ladar --duration 0.5 --out "$work/scans.bag"
+# The default configuration and model come from the install space.
+rosrun ladar_perception classify_bag "$work/scans.bag" --metrics "$work/metrics.json"
+rosrun ladar_perception classify_bag "$work/scans.bag" --config "$share/config/terrain.yaml"
+grep -q '"scans": 10' "$work/metrics.json"
+roslaunch --files ladar_perception replay.launch bag:=x | grep -q "$share/launch/terrain.launch"
+rosrun ladar_perception terrain_summary.py --help >"$work/help.txt"
+[ -f "$share/rviz/terrain.rviz" ]

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The shipped configuration and models against the code they are for.
+#include <ros/package.h>
+
+#include <algorithm>
+#include <regex>
+#include <set>
+#include <utility>
+
+#include "program_run.h"
+#include "terrain_node_config.h"
+
+namespace ladar_perception::test {
+namespace {
+
+const std::string kConfigPath = LADAR_SOURCE_DIR "/config/terrain.yaml";
+
+std::string targetText(const ParamSpec& spec) {
+  const auto text = [](auto* target) {
+    std::ostringstream stream;
+    stream.precision(17);
+    stream << *target;
+    return stream.str();
+  };
+  return std::visit(text, spec.target);
+}
+
+bool isNumber(const ParamSpec& spec) {
+  return std::holds_alternative<int*>(spec.target) || std::holds_alternative<double*>(spec.target);
+}
+
+TEST(Config, ListsEveryParameterOnce) {
+  std::set<std::string> in_file;
+  for (const auto& entry : loadParamFile(kConfigPath)) in_file.insert(entry.first);
+  std::set<std::string> in_table;
+  TerrainNodeConfig config;
+  const ParamTable table = config.table();
+  for (const ParamSpec& spec : table.specs()) {
+    EXPECT_TRUE(in_table.insert(spec.name).second) << spec.name << " twice in the table";
+  }
+  EXPECT_EQ(in_file, in_table);
+}
+
+TEST(Config, ValuesAreTheDefaults) {
+  // Start from values that are not the defaults, so that nothing is equal by being left out.
+  TerrainNodeConfig read;
+  ParamTable read_table = read.table();
+  for (const ParamSpec& spec : read_table.specs()) {
+    if (auto* const* flag = std::get_if<bool*>(&spec.target)) **flag = !**flag;
+    if (auto* const* whole = std::get_if<int*>(&spec.target)) **whole = -99;
+    if (auto* const* real = std::get_if<double*>(&spec.target)) **real = -99.5;
+    if (auto* const* text = std::get_if<std::string*>(&spec.target)) **text = "changed";
+  }
+  EXPECT_EQ(read_table.apply(loadParamFile(kConfigPath)), std::vector<std::string>());
+  TerrainNodeConfig defaults;
+  const ParamTable defaults_table = defaults.table();
+  for (std::size_t i = 0; i < defaults_table.specs().size(); ++i) {
+    EXPECT_EQ(targetText(read_table.specs()[i]), targetText(defaults_table.specs()[i]))
+        << defaults_table.specs()[i].name;
+  }
+}
+
+TEST(Config, CommentsTellTheTablesRanges) {
+  using Range = std::pair<double, double>;
+  TerrainNodeConfig config;
+  std::map<std::string, ParamSpec> specs;
+  const ParamTable table = config.table();
+  for (const ParamSpec& spec : table.specs()) specs.emplace(spec.name, spec);
+
+  // Parameters under one comment share it: its ranges are those of all of them.
+  const std::regex range_form(R"(\[(-?[0-9.]+), (-?[0-9.]+)\])");
+  std::set<Range> told;
+  std::set<Range> expected;
+  std::string names;
+  int compared = 0;
+  const auto compare = [&] {
+    EXPECT_EQ(told, expected) << names;
+    compared += names.empty() ? 0 : 1;
+    told.clear();
+    expected.clear();
+    names.clear();
+  };
+  std::istringstream lines(fileBytes(kConfigPath));
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.empty() && line[0] == '#') {
+      if (!names.empty()) compare();
+      for (std::sregex_iterator at(line.begin(), line.end(), range_form), end; at != end; ++at) {
+        told.emplace(std::stod((*at)[1]), std::stod((*at)[2]));
+      }
+    } else if (line.find(':') != std::string::npos) {
+      const std::string name = line.substr(0, line.find(':'));
+      ASSERT_EQ(specs.count(name), 1u) << name;
+      names += name + " ";
+      const ParamSpec& spec = specs.at(name);
+      if (isNumber(spec)) expected.emplace(spec.min, spec.max);
+    }
+  }
+  compare();
+  EXPECT_GT(compared, 10);
+}
+
+TEST(Config, CommentsTellTheUnits) {
+  TerrainNodeConfig config;
+  const ParamTable table = config.table();
+  for (const ParamSpec& spec : table.specs()) {
+    const auto ends = [&](const std::string& end) {
+      return spec.name.size() > end.size() &&
+             spec.name.compare(spec.name.size() - end.size(), end.size(), end) == 0;
+    };
+    if (ends("_m")) EXPECT_EQ(spec.unit, "m") << spec.name;
+    if (ends("_s")) EXPECT_EQ(spec.unit, "s") << spec.name;
+    if (ends("_hz")) EXPECT_EQ(spec.unit, "Hz") << spec.name;
+    EXPECT_FALSE(spec.meaning.empty()) << spec.name;
+  }
+}
+
+TEST(Config, ShippedModelsFit) {
+  providePackagePath();
+  int models = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(LADAR_SOURCE_DIR "/config/models")) {
+    TerrainNodeConfig config = readTerrainNodeConfigFile(kConfigPath);
+    config.model = entry.path().string();
+    EXPECT_NO_THROW({
+      const ClassifierModel model = loadFittingModel(config);
+      EXPECT_GE(model.classes.size(), 2u) << config.model;
+      EXPECT_FALSE(model.provenance.empty()) << config.model;
+    }) << config.model;
+    ++models;
+  }
+  EXPECT_GE(models, 1);
+}
+
+TEST(Config, DefaultModelIsAShippedOne) {
+  providePackagePath();
+  const std::string scheme = "package://ladar_perception/";
+  const std::string model = TerrainNodeConfig().model;
+  ASSERT_EQ(model.rfind(scheme, 0), 0u) << model;
+  EXPECT_TRUE(
+      std::filesystem::exists(std::string(LADAR_SOURCE_DIR) + "/" + model.substr(scheme.size())))
+      << model;
+  EXPECT_NO_THROW(loadFittingModel(TerrainNodeConfig()));
+}
+
+}  // namespace
+}  // namespace ladar_perception::test

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <cmath>
+
+#include "program_bag.h"
+#include "program_run.h"
+
+namespace ladar_perception::test {
+namespace {
+
+constexpr double kScanPeriod_s = 0.05;
+
+void expectOrganisedScan(const RecordedCloud& scan, std::size_t index,
+                         std::array<std::size_t, 4>* truth_counts) {
+  const sensor_msgs::PointCloud2& cloud = scan.cloud;
+  ASSERT_EQ(cloud.width, 180u);
+  ASSERT_EQ(cloud.height, 32u);
+  EXPECT_EQ(fieldsOf(cloud), "x:7 y:7 z:7 intensity:7 ring:4 time:7 truth:2 rgb:7");
+  EXPECT_EQ(cloud.header.frame_id, "ladar");
+  EXPECT_FALSE(cloud.is_bigendian);
+  EXPECT_NEAR(cloud.header.stamp.toSec(), 1000.0 + static_cast<double>(index) * kScanPeriod_s,
+              1e-6);
+  // A cloud cannot be sent before its last column was measured.
+  EXPECT_GE((scan.recorded - cloud.header.stamp).toSec(), kScanPeriod_s - 1e-6);
+
+  const auto p_ladar = positionsOf(cloud);
+  const auto ring = valuesOf<uint16_t>(cloud, "ring");
+  const auto time_s = valuesOf<float>(cloud, "time");
+  const auto truth = valuesOf<uint8_t>(cloud, "truth");
+  bool dense = true;
+  for (std::size_t i = 0; i < p_ladar.size(); ++i) {
+    ASSERT_EQ(ring[i], i / cloud.width);
+    ASSERT_GE(time_s[i], 0.0F);
+    ASSERT_LT(time_s[i], kScanPeriod_s);
+    ASSERT_LE(truth[i], 3);
+    ++truth_counts->at(truth[i]);
+    const bool valid = p_ladar[i].allFinite();
+    dense = dense && valid;
+    if (valid) {
+      ASSERT_LT(p_ladar[i].norm(), 60.0);
+      ASSERT_GT(p_ladar[i].x(), 0.0);  // the field of view is 90 degrees wide, ahead
+    } else {
+      ASSERT_EQ(truth[i], 0) << "a beam without a return has no class";
+    }
+  }
+  EXPECT_EQ(cloud.is_dense, dense);
+}
+
+void expectTransformsCover(const std::string& path, const std::vector<RecordedCloud>& scans) {
+  tf2::BufferCore buffer(ros::Duration(60.0));
+  fillBuffer(path, &buffer);
+  for (const RecordedCloud& scan : scans) {
+    for (const double offset_s : {0.0, 0.02, kScanPeriod_s}) {
+      std::string why;
+      EXPECT_TRUE(buffer.canTransform("odom", "ladar",
+                                      scan.cloud.header.stamp + ros::Duration(offset_s), &why))
+          << why;
+    }
+  }
+  const auto moved = buffer.lookupTransform("base_link", scans.front().cloud.header.stamp,
+                                            "base_link", scans.back().cloud.header.stamp, "odom");
+  const double distance_m = poseOf(moved.transform).translation().norm();
+  // 1.45 s at 2 m/s, a little less where the track bends.
+  EXPECT_NEAR(distance_m, 2.0 * kScanPeriod_s * static_cast<double>(scans.size() - 1), 0.2);
+}
+
+class SimulateLadarScene : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(SimulateLadarScene, MakesABag) {
+  const ScratchFolder folder;
+  const std::string path = folder.file("scene.bag");
+  const ProgramRun run = runProgram(
+      "simulate_ladar", {"--scene", GetParam(), "--duration", "1.5", "--seed", "5", "--out", path});
+  expectSuccess(run);
+  EXPECT_NE(run.out.find(path), std::string::npos) << run.out;
+  EXPECT_EQ(folder.list(), "scene.bag");
+
+  const auto scans = readClouds(path, "/points");
+  ASSERT_EQ(scans.size(), 30u);
+  std::array<std::size_t, 4> truth_counts{};
+  for (std::size_t i = 0; i < scans.size(); ++i) expectOrganisedScan(scans[i], i, &truth_counts);
+  for (std::size_t label = 1; label <= 3; ++label) {
+    EXPECT_GT(truth_counts[label], 100u) << "class " << label;
+  }
+  expectTransformsCover(path, scans);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, SimulateLadarScene,
+                         ::testing::Values("flat_ground", "forest", "tall_grass", "campus"),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST(SimulateLadar, SameArgumentsSameBytes) {
+  const ScratchFolder folder;
+  const auto simulate = [&](const std::string& name, const std::string& seed) {
+    expectSuccess(runProgram("simulate_ladar", {"--scene", "flat_ground", "--duration", "1",
+                                                "--seed", seed, "--out", folder.file(name)}));
+  };
+  simulate("a.bag", "3");
+  simulate("b.bag", "3");
+  simulate("c.bag", "4");
+  EXPECT_EQ(digestOf(folder.file("a.bag")), digestOf(folder.file("b.bag")));
+  const auto points = [&](const std::string& name) {
+    return readClouds(folder.file(name), "/points").front().cloud.data;
+  };
+  EXPECT_NE(points("a.bag"), points("c.bag"));
+}
+
+TEST(SimulateLadar, ReplacesAnOlderBag) {
+  const ScratchFolder folder;
+  const std::string path = folder.write("old.bag", "old");
+  expectSuccess(
+      runProgram("simulate_ladar", {"--scene", "flat_ground", "--duration", "0.1", "--out", path}));
+  EXPECT_EQ(readClouds(path, "/points").size(), 2u);
+}
+
+TEST(SimulateLadar, StandsStillAtSpeedZero) {
+  const ScratchFolder folder;
+  const std::string path = folder.file("still.bag");
+  expectSuccess(runProgram("simulate_ladar", {"--scene", "flat_ground", "--duration", "0.5",
+                                              "--speed", "0", "--out", path}));
+  const Poses poses = readTransforms(path, "/tf");
+  const auto& track = poses.at({"odom", "base_link"});
+  for (const auto& [stamp, pose] : track) {
+    EXPECT_TRUE(pose.isApprox(track.begin()->second, 1e-12)) << stamp;
+  }
+}
+
+TEST(SimulateLadar, RefusesBadArguments) {
+  const ScratchFolder folder;
+  const std::string path = folder.file("bad.bag");
+  const auto simulate = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--out", path});
+    return runProgram("simulate_ladar", arguments);
+  };
+  expectFailure(simulate({"--scene", "moon"}), {"--scene", "moon", "forest"});
+  expectFailure(simulate({"--duration", "0"}), {"--duration", "0"});
+  expectFailure(simulate({"--duration", "-3"}), {"--duration", "-3"});
+  expectFailure(simulate({"--duration", "long"}), {"--duration", "long"});
+  expectFailure(simulate({"--duration", "nan"}), {"--duration", "nan"});
+  expectFailure(simulate({"--speed", "1e9"}), {"--speed"});
+  expectFailure(simulate({"--seed", "-1"}), {"--seed"});
+  expectFailure(simulate({"--sped", "1"}), {"--sped"});
+  expectFailure(runProgram("simulate_ladar", {}), {"--out"});
+  EXPECT_EQ(folder.list(), "");
+}
+
+TEST(SimulateLadar, RefusesAPathItCannotWrite) {
+  const ScratchFolder folder;
+  const std::string path = folder.file("no_such_folder/a.bag");
+  expectFailure(runProgram("simulate_ladar", {"--scene", "forest", "--out", path}), {path});
+  EXPECT_EQ(folder.list(), "");
+  // A folder stands where the bag should go: known only when all is done, still no rest left.
+  std::filesystem::create_directories(folder.file("taken.bag"));
+  const std::string taken = folder.file("taken.bag");
+  expectFailure(
+      runProgram("simulate_ladar", {"--scene", "flat_ground", "--duration", "0.1", "--out", taken}),
+      {taken});
+  EXPECT_EQ(folder.list(), "taken.bag");
+}
+
+TEST(SimulateLadar, Helps) {
+  expectHelp("simulate_ladar", {"--scene", "flat_ground", "forest", "tall_grass", "campus",
+                                "--duration", "--speed", "--seed", "--out"});
+}
+
+}  // namespace
+}  // namespace ladar_perception::test
