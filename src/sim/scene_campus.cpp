@@ -97,8 +97,8 @@ void addParkedCars(SceneBuilder* builder) {
 
 void addCampusGreen(SceneBuilder* builder) {
   const auto trees = addVariants(3, builder, [](Random* random) {
-    return makeBroadleaf(random->uniform(5.5, 9.0), random->uniform(0.1, 0.19), Material::kBark,
-                         random);
+    const double height = random->uniform(5.5, 9.0);
+    return makeBroadleaf(height, random->uniform(0.1, 0.19), Material::kBark, random);
   });
   const auto conifers = addVariants(2, builder, [](Random* random) {
     return makeConifer(random->uniform(4.0, 7.0), 0.1, random);

@@ -58,7 +58,8 @@ void addUndergrowth(SceneBuilder* builder) {
 void addGrass(SceneBuilder* builder) {
   const auto tufts = addVariants(6, builder, [](Random* random) {
     const double height = random->uniform(0.55, 1.0);
-    return makeGrassTuft(height, random->uniform(0.2, 0.35), 44, random->uniform(0.1, 0.7), random);
+    const double radius = random->uniform(0.2, 0.35);
+    return makeGrassTuft(height, radius, 44, random->uniform(0.1, 0.7), random);
   });
   const auto low = addVariants(3, builder, [](Random* random) {
     return makeGrassTuft(random->uniform(0.25, 0.4), 0.3, 40, 0.4, random);

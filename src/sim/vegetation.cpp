@@ -40,8 +40,8 @@ void growBlades(int count, double radius_m, double height_m, double width_m, dou
     const double out = std::sqrt(random->uniform());
     const double azimuth = random->uniform(0.0, kTwoPi);
     const Eigen::Vector3d foot = radius_m * out * polar(azimuth, 0.0);
-    const Eigen::Vector3d lean =
-        polar(azimuth + random->normal(0.0, 0.7), 0.0) * (0.5 * out + random->uniform(0.0, 0.4));
+    const double turned = azimuth + random->normal(0.0, 0.7);
+    const Eigen::Vector3d lean = (0.5 * out + random->uniform(0.0, 0.4)) * polar(turned, 0.0);
     const double height = height_m * random->uniform(0.45, 1.0);
     const Material material = random->chance(dry_share) ? Material::kDryGrass : Material::kGrass;
     growBlade(foot, lean, height, width_m * random->uniform(0.6, 1.3), material, random, parts);
@@ -228,10 +228,12 @@ Model makeHedge(double length_m, double width_m, double height_m, Random* random
   const auto leaves = static_cast<int>(1300.0 * length_m * width_m * height_m);
   for (int i = 0; i < leaves; ++i) {
     // Clipped: flat sides on the average, ragged leaf by leaf; denser towards the light.
-    const double depth = std::pow(random->uniform(), 0.6) * (random->chance(0.5) ? 0.5 : -0.5);
+    const double side = random->chance(0.5) ? 0.5 : -0.5;
+    const double depth = side * std::pow(random->uniform(), 0.6);
     const double x = random->uniform(-0.5, 0.5) * (length_m + 0.1);
     const double y = width_m * depth + random->normal(0.0, 0.03);
-    const double z = height_m * std::pow(random->uniform(), 0.8) + random->normal(0.0, 0.03);
+    const double clipped = height_m * std::pow(random->uniform(), 0.8);
+    const double z = clipped + random->normal(0.0, 0.03);
     const double size = random->uniform(0.025, 0.042);
     const Eigen::Vector3d normal = randomDirection(random);
     if (z > 0.03) parts.push_back(makeDisc({x, y, z}, normal, size, Material::kHedgeLeaf));
@@ -245,8 +247,9 @@ Model makeLog(double length_m, double radius_m, Random* random) {
   const double z = 0.8 * radius_m;
   parts.push_back(makeCylinder({-half, 0.0, z}, {half, 0.0, z + 0.1}, radius_m, Material::kLog));
   for (int i = 0; i < 5; ++i) {
+    const double azimuth = random->uniform(0.0, kTwoPi);
     Limb branch{{random->uniform(-0.2, 1.0) * half, 0.0, z},
-                polar(random->uniform(0.0, kTwoPi), random->uniform(0.1, 1.2)),
+                polar(azimuth, random->uniform(0.1, 1.2)),
                 random->uniform(0.5, 1.4),
                 0.12 * radius_m + 0.01,
                 0.008,

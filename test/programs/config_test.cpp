@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The shipped configuration and models against the code they are for.
-#include <ros/package.h>
-
 #include <algorithm>
 #include <regex>
 #include <set>
@@ -103,13 +101,13 @@ TEST(Config, CommentsTellTheUnits) {
   TerrainNodeConfig config;
   const ParamTable table = config.table();
   for (const ParamSpec& spec : table.specs()) {
-    const auto ends = [&](const std::string& end) {
-      return spec.name.size() > end.size() &&
-             spec.name.compare(spec.name.size() - end.size(), end.size(), end) == 0;
-    };
-    if (ends("_m")) EXPECT_EQ(spec.unit, "m") << spec.name;
-    if (ends("_s")) EXPECT_EQ(spec.unit, "s") << spec.name;
-    if (ends("_hz")) EXPECT_EQ(spec.unit, "Hz") << spec.name;
+    for (const auto& [ending, unit] :
+         {std::pair("_m", "m"), std::pair("_s", "s"), std::pair("_hz", "Hz")}) {
+      const std::size_t at = spec.name.rfind(ending);
+      if (at != std::string::npos && at + std::string(ending).size() == spec.name.size()) {
+        EXPECT_EQ(spec.unit, unit) << spec.name;
+      }
+    }
     EXPECT_FALSE(spec.meaning.empty()) << spec.name;
   }
 }

@@ -87,7 +87,7 @@ TEST_P(SimulateLadarScene, MakesABag) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, SimulateLadarScene,
                          ::testing::Values("flat_ground", "forest", "tall_grass", "campus"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& scene) { return std::string(scene.param); });
 
 TEST(SimulateLadar, SameArgumentsSameBytes) {
   const ScratchFolder folder;
@@ -138,7 +138,7 @@ TEST(SimulateLadar, RefusesBadArguments) {
   expectFailure(simulate({"--duration", "long"}), {"--duration", "long"});
   expectFailure(simulate({"--duration", "nan"}), {"--duration", "nan"});
   expectFailure(simulate({"--speed", "1e9"}), {"--speed"});
-  expectFailure(simulate({"--seed", "-1"}), {"--seed"});
+  expectFailure(simulate({"--duration", "0.1", "--seed", "-1"}), {"--seed", "-1"});
   expectFailure(simulate({"--sped", "1"}), {"--sped"});
   expectFailure(runProgram("simulate_ladar", {}), {"--out"});
   EXPECT_EQ(folder.list(), "");

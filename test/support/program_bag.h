@@ -12,6 +12,7 @@
 #include <cstring>
 #include <functional>
 #include <map>
+#include <stdexcept>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -107,7 +108,8 @@ inline void fillBuffer(const std::string& path, tf2::BufferCore* buffer) {
   const rosbag::Bag bag(path);
   for (const std::string topic : {"/tf", "/tf_static"}) {
     for (const rosbag::MessageInstance& message : rosbag::View(bag, rosbag::TopicQuery(topic))) {
-      for (const auto& transform : message.instantiate<tf2_msgs::TFMessage>()->transforms) {
+      const auto transforms = message.instantiate<tf2_msgs::TFMessage>();
+      for (const auto& transform : transforms->transforms) {
         buffer->setTransform(transform, "test", topic == "/tf_static");
       }
     }

@@ -61,21 +61,25 @@ class LogListener {
         "/rosout", 1000, [this](const rosgraph_msgs::LogConstPtr& log) { logs_.push_back(*log); });
   }
   /// Waits until the log of a node is connected: nobody repeats what was said before.
-  bool hears(const std::string& node) {
+  bool hears(const std::string& node) const {
     return waitFor([&] {
-      XmlRpc::XmlRpcValue request, response, info;
+      XmlRpc::XmlRpcValue request, response, uri, connections;
       request[0] = ros::this_node::getName();
+      request[1] = node;
+      if (!ros::master::execute("lookupNode", request, response, uri, false)) return false;
       // This process's own list of its connections, as rosnode info asks for it.
       std::string host;
       uint32_t port = 0;
       ros::network::splitURI(ros::XMLRPCManager::instance()->getServerURI(), host, port);
-      XmlRpc::XmlRpcClient client(host.c_str(), static_cast<int>(port), "/");
-      if (!client.execute("getBusInfo", request, response)) return false;
-      info = response[2];
-      for (int i = 0; i < info.size(); ++i) {
-        const std::string peer = info[i][1];
-        const std::string topic = info[i][4];
-        if (topic == "/rosout" && peer.find(node) != std::string::npos) return true;
+      XmlRpc::XmlRpcClient self(host.c_str(), static_cast<int>(port), "/");
+      XmlRpc::XmlRpcValue caller;
+      caller[0] = ros::this_node::getName();
+      if (!self.execute("getBusInfo", caller, response) || response.size() < 3) return false;
+      connections = response[2];
+      for (int i = 0; i < connections.size(); ++i) {
+        const std::string peer = connections[i][1];
+        const std::string topic = connections[i][4];
+        if (topic == "/rosout" && peer == static_cast<std::string>(uri)) return true;
       }
       return false;
     });
@@ -143,7 +147,7 @@ class TerrainClient {
     // One latched message holds all static transforms.
     tf_static_ = handle_.advertise<tf2_msgs::TFMessage>("/tf_static", 1, true);
     tf_ = handle_.advertise<tf2_msgs::TFMessage>("/tf", 1000);
-    // Other nodes of the test may listen to tf already.
+    // Another nodelet of the same manager may listen already; they share a connection.
     tf_others_ = tf_.getNumSubscribers();
     tf_static_others_ = tf_static_.getNumSubscribers();
     labeled_sub_ = handle_.subscribe<sensor_msgs::PointCloud2>(
@@ -160,8 +164,8 @@ class TerrainClient {
   /// Waits until every connection stands, in both directions.
   bool connected() {
     return waitFor([this] {
-      return points_.getNumSubscribers() > 0 && tf_.getNumSubscribers() > tf_others_ &&
-             tf_static_.getNumSubscribers() > tf_static_others_ && labeled_sub_.getNumPublishers() > 0 &&
+      return points_.getNumSubscribers() > 0 && tf_.getNumSubscribers() > 0 &&
+             tf_static_.getNumSubscribers() > 0 && labeled_sub_.getNumPublishers() > 0 &&
              map_sub_.getNumPublishers() > 0 && statistics_sub_.getNumPublishers() > 0;
     });
   }

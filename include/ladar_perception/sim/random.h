@@ -25,7 +25,9 @@ inline uint64_t streamSeed(uint64_t seed, std::initializer_list<uint64_t> keys) 
 /// Uniform number in [0, 1) from the upper 53 bits.
 inline double unitFromBits(uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1.0p-53; }
 
-/// SplitMix64 with the few distributions the simulator needs.
+/// SplitMix64 with the few distributions the simulator needs. Draw at most once per function call
+/// or operator: C++ does not fix the order of arguments and operands, so scenes would depend on
+/// the compiler.
 class Random {
  public:
   explicit Random(uint64_t seed) : state_(seed) {}
