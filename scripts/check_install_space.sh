@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs a build (configured with CMAKE_INSTALL_PREFIX <build>/install) and uses what was
-# installed, far from the sources.
+# Installs a build into <build>/.install, the CMAKE_INSTALL_PREFIX it was configured with, and uses
+# what was installed, far from the sources. (The dot keeps roslaunch, which looks into every other
+# folder of a package, from finding launch files twice.)
 #   check_install_space.sh BUILD_FOLDER
 set -euo pipefail
 build="$(realpath "$1")"
-prefix="$build/install"
+prefix="$build/.install"
 rm -rf "$prefix"
 DESTDIR='' cmake --install "$build" >"$build/install.log"
 

@@ -61,6 +61,6 @@ build() {
   mkdir -p "$folder"
   run_logged "$folder/configure.log" cmake -S . -B "$folder" -G Ninja \
     -DPYTHON_EXECUTABLE=/usr/bin/python3 -DPython3_EXECUTABLE=/usr/bin/python3 \
-    -DCMAKE_INSTALL_PREFIX="$PWD/$folder/install" "$@"
+    -DCMAKE_INSTALL_PREFIX="$PWD/$folder/.install" "$@"
   run_logged "$folder/build.log" ninja -C "$folder" "$target"
 }

@@ -6,8 +6,11 @@
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "terrain");
+  // Beside the node: ROS shuts down with the last handle, and then the report below is not heard.
+  const ros::NodeHandle handle;
+  const ros::NodeHandle private_handle("~");
   try {
-    ladar_perception::TerrainNode node(ros::NodeHandle(), ros::NodeHandle("~"));
+    ladar_perception::TerrainNode node(handle, private_handle);
     ros::spin();
   } catch (const std::exception& error) {
     ROS_FATAL("%s", error.what());

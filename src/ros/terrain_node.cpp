@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t kStatisticsWindow = 1000;
 constexpr double kWarningPeriod_s = 5.0;
+constexpr uint32_t kBurst = 1000;  // scans
 
 double millisecondsSince(const ros::WallTime& begin) {
   return (ros::WallTime::now() - begin).toSec() * 1e3;
@@ -26,7 +27,7 @@ TerrainNode::TerrainNode(const ros::NodeHandle& handle, const ros::NodeHandle& p
       tf_listener_(tf_buffer_, handle_),
       processor_(config_, model_, &tf_buffer_),
       statistics_(config_.model, kStatisticsWindow),
-      diagnostics_(handle_, private_handle_) {
+      diagnostics_(handle_, private_handle_, private_handle_.getNamespace()) {
   points_publisher_ = handle_.advertise<sensor_msgs::PointCloud2>("labeled_points", 2);
   map_publisher_ = handle_.advertise<sensor_msgs::PointCloud2>("labeled_map", 1, true);
   statistics_publisher_ = handle_.advertise<TerrainStatistics>("statistics", 1, true);
@@ -40,9 +41,9 @@ TerrainNode::TerrainNode(const ros::NodeHandle& handle, const ros::NodeHandle& p
            config_.model.c_str(), model_.classes.size(), config_.pipeline.map_size_x_m,
            config_.pipeline.map_size_y_m, config_.pipeline.map_size_z_m,
            config_.pipeline.voxel_size_m, config_.map_frame.c_str());
-  // The queue of our own does the waiting and the counting; this one only bridges a callback.
-  subscriber_ = handle_.subscribe("points", static_cast<uint32_t>(config_.queue_size),
-                                  &TerrainNode::onScan, this);
+  // The queue of our own does the waiting and the counting. This one drops without a word, so it
+  // is long enough for any burst that comes while a callback runs.
+  subscriber_ = handle_.subscribe("points", kBurst, &TerrainNode::onScan, this);
 }
 
 TerrainNode::~TerrainNode() {
@@ -120,9 +121,15 @@ bool TerrainNode::nextArrival(Arrival* arrival) {
 
 void TerrainNode::processArrival(const Arrival& arrival) {
   const sensor_msgs::PointCloud2& scan = *arrival.scan;
-  const std::lock_guard<std::mutex> lock(processor_mutex_);
-  const ScanOutcome outcome = processor_.process(
-      scan, [this](const std::function<bool()>& ready) { return waitForTransforms(ready); });
+  std::unique_lock<std::mutex> lock(processor_mutex_);
+  const ScanOutcome outcome =
+      processor_.process(scan, [this, &lock](const std::function<bool()>& ready) {
+        // ~reset must not wait for tf: it would hold a thread of the manager up.
+        lock.unlock();
+        const bool all_there = waitForTransforms(ready);
+        lock.lock();
+        return all_there;
+      });
   if (outcome.map_reset) {
     ROS_WARN("terrain: time of '%s' jumped back to %.3f s, the map was reset",
              scan.header.frame_id.c_str(), scan.header.stamp.toSec());

@@ -164,6 +164,7 @@ std::vector<double> TerrainProcessor::knotOffsets(double stamp_s) {
 
 bool TerrainProcessor::canTransform(const std::string& frame, const ros::Time& stamp,
                                     const std::vector<double>& offsets_s, std::string* why) const {
+  why->clear();  // tf2 appends
   return std::all_of(offsets_s.begin(), offsets_s.end(), [&](double offset_s) {
     return buffer_->canTransform(config_.map_frame, frame, shifted(stamp, offset_s), why);
   });

@@ -41,6 +41,7 @@ struct ScanOutcome {
 class TerrainProcessor {
  public:
   /// Calls its argument until it returns true or time is up; returns what it returned last.
+  /// reset() may be called meanwhile.
   using Wait = std::function<bool(const std::function<bool()>& ready)>;
 
   TerrainProcessor(const TerrainNodeConfig& config, const ClassifierModel& model,

@@ -236,13 +236,13 @@ TEST_F(ImportScans, RefusesPosesThatDoNotMatch) {
 TEST_F(ImportScans, RefusesDamagedScans) {
   const std::string scans = kittiFolder();
   const std::string cut = folder_.write("scans/11.bin", std::string(30, '\0'));
-  expectFailure(import({"--format", "kitti", scans}), {cut, "30 bytes", "16"}, 5);
+  expectFailure(import({"--format", "kitti", scans}), {cut, "30 bytes", "16"});
   expectNoBag();
 
   const std::string text = folder_.write("bad.xyz", "1 2 3\n4 five 6\n");
-  expectFailure(import({"--format", "xyz", text}), {text + ":2", "five"}, 2);
+  expectFailure(import({"--format", "xyz", text}), {text + ":2", "five"});
   const std::string ragged = folder_.write("ragged.xyz", "1 2 3\n4 5\n");
-  expectFailure(import({"--format", "xyz", ragged}), {ragged + ":2"}, 2);
+  expectFailure(import({"--format", "xyz", ragged}), {ragged + ":2"});
   const std::string tile = folder_.write("bad.xyz_label_conf", "1 2 3 1200 0\n1 2 3 tree 0\n");
   expectFailure(import({"--format", "oakland", tile}), {tile + ":2", "tree"});
   const std::string pcd = folder_.write("bad.pcd", "# .PCD v0.7\nVERSION 0.7\nFIELDS x y\n");
@@ -280,7 +280,7 @@ TEST_F(ImportScans, RefusesBadArguments) {
 TEST_F(ImportScans, RefusesAPathItCannotWrite) {
   const std::string path = folder_.file("none/out.bag");
   expectFailure(runProgram("import_scans", {"--format", "kitti", kittiFolder(), "--out", path}),
-                {path}, 2);
+                {path});
   EXPECT_EQ(folder_.list(), "scans");
 }
 

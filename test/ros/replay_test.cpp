@@ -14,7 +14,7 @@ class Replay : public testing::Test {
   void SetUp() override { writeDriveBag(Drive(), kScans, 0.25, bag_); }
 
   std::vector<std::string> command(const std::vector<std::string>& arguments) {
-    std::vector<std::string> words = {"roslaunch", std::string(LADAR_SOURCE_DIR) + "/launch/replay.launch",
+    std::vector<std::string> words = {"roslaunch", "ladar_perception", "replay.launch",
                                       "bag:=" + bag_, "rviz:=false", "config:=" + kTestConfig,
                                       "model:=" + kTestModel};
     words.insert(words.end(), arguments.begin(), arguments.end());

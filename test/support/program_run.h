@@ -125,20 +125,22 @@ inline ProgramRun runProgram(const std::string& name, const std::vector<std::str
   return run;
 }
 
-/// `run` failed in order, with a message of at most `max_lines` lines that has all of `parts`. The
-/// progress shown before and the hint at --help after it are not counted.
+/// Lines that tell of progress or hint at --help, not of what went wrong.
+inline bool isAside(const std::string& line) {
+  const auto begins = [&](const char* text) { return line.rfind(text, 0) == 0; };
+  const bool counts = line.find_first_of("0123456789") <= (begins("[") ? 1 : 0) &&
+                      (begins("[") || line.find(" of ") != std::string::npos);
+  return counts || begins("note: ") || begins("Run with --help");
+}
+
+/// `run` failed in order, with a message of at most `max_lines` lines that has all of `parts`.
 inline void expectFailure(const ProgramRun& run, const std::vector<std::string>& parts,
                           int max_lines = 1) {
   EXPECT_GT(run.status, 0) << run;
   EXPECT_LT(run.status, 127) << run;  // neither not found nor ended by a signal
   std::istringstream lines(run.err);
   int count = 0;
-  for (std::string line; std::getline(lines, line);) {
-    const bool is_progress = std::isdigit(static_cast<unsigned char>(line[0])) != 0 &&
-                             line.find(" of ") != std::string::npos;
-    const bool is_hint = line.rfind("Run with --help", 0) == 0;
-    if (!is_progress && !is_hint) ++count;
-  }
+  for (std::string line; std::getline(lines, line);) count += isAside(line) ? 0 : 1;
   EXPECT_GE(count, 1) << run;
   EXPECT_LE(count, max_lines) << run;
   for (const std::string& part : parts) {

@@ -14,6 +14,7 @@
 #include "cloud_builder.h"
 #include "cloud_message.h"
 #include "hand_model.h"
+#include "ladar_perception/cloud/point_reader.h"
 #include "test_random.h"
 
 namespace ladar_perception::test {
@@ -185,7 +186,8 @@ inline std::vector<double> fieldValues(const sensor_msgs::PointCloud2& cloud,
   const CloudLayout layout = layoutOf(cloud);
   std::vector<double> values;
   const Field* field = layout.find(name);
-  if (field != nullptr) readScalars({layout, cloud.data.data(), cloud.data.size()}, *field, &values);
+  const CloudView view{layout, cloud.data.data(), cloud.data.size()};
+  if (field != nullptr) readScalars(view, *field, &values);
   return values;
 }
 
