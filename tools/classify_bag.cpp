@@ -91,6 +91,49 @@ Json confusionJson(const TruthConfusion& confusion, const ClassifierModel& model
   return json;
 }
 
+/// The bag that is written; it appears under its name only when it is complete.
+class OutputBag {
+ public:
+  explicit OutputBag(const std::string& path) : path_(path), partial_(path + ".partial") {
+    guarded([&] { bag_.open(partial_, rosbag::bagmode::Write); });
+  }
+  ~OutputBag() {
+    if (!bag_.isOpen()) return;
+    try {
+      bag_.close();
+    } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): already failing
+    }
+    std::remove(partial_.c_str());
+  }
+  OutputBag(const OutputBag&) = delete;
+  OutputBag& operator=(const OutputBag&) = delete;
+
+  template <typename... Arguments>
+  void write(const Arguments&... arguments) {
+    guarded([&] { bag_.write(arguments...); });
+  }
+  void complete() {
+    guarded([&] { bag_.close(); });
+    if (std::rename(partial_.c_str(), path_.c_str()) == 0) return;
+    std::remove(partial_.c_str());
+    throw std::runtime_error(path_ + ": cannot be written");
+  }
+
+ private:
+  template <typename Action>
+  void guarded(Action action) {
+    try {
+      action();
+    } catch (const rosbag::BagException& error) {
+      throw std::runtime_error(path_ + ": cannot be written: " + error.what());
+    }
+  }
+
+  std::string path_;
+  std::string partial_;
+  rosbag::Bag bag_;
+};
+
 /// One run over a bag.
 class BagClassifier {
  public:
@@ -129,16 +172,15 @@ class BagClassifier {
   TerrainStatisticsLog statistics_;
   TruthConfusion confusion_;
   LabelHash hash_;
-  std::unique_ptr<rosbag::Bag> output_;
+  std::unique_ptr<OutputBag> output_;
   ros::Time last_map_stamp_;
   double busy_s_ = 0.0;
   std::string first_drop_;
 };
 
 void BagClassifier::run() {
-  const std::string partial = options_.output + ".partial";
   if (!options_.output.empty()) {
-    output_ = std::make_unique<rosbag::Bag>(partial, rosbag::bagmode::Write);
+    output_ = std::make_unique<OutputBag>(options_.output);
     reader_.setOtherMessageHandler([this](const rosbag::MessageInstance& message) {
       output_->write(message.getTopic(), message.getTime(), message, message.getConnectionHeader());
     });
@@ -150,12 +192,7 @@ void BagClassifier::run() {
     progress.advance();
   }
   progress.finish();
-  if (output_) {
-    output_->close();
-    if (std::rename(partial.c_str(), options_.output.c_str()) != 0) {
-      throw std::runtime_error(options_.output + ": cannot be written");
-    }
-  }
+  if (output_) output_->complete();
   if (!options_.metrics.empty()) {
     std::ofstream file(options_.metrics);
     file << metrics().dump(2) << "\n";

@@ -117,7 +117,7 @@ class Importer {
     files_ = listScanFiles(options.inputs, format_);
     readMapping();
     if (!is_stream_) takePoses();
-    checkStamp(stampOf(0) - period_);
+    checkSeconds(stampOf(0).toSec() - period_.toSec());  // the first pose; ros::Time would overflow
     T_base_ladar_.translation().z() = options.sensor_height_m;
   }
 
@@ -176,8 +176,6 @@ class Importer {
     throw std::runtime_error("stamp " + std::to_string(stamp_s) +
                              " s is not a time that a bag can hold; set --start-time");
   }
-
-  static void checkStamp(const ros::Time& stamp) { checkSeconds(stamp.toSec()); }
 
   void readMapping() {
     std::string path = options_.classes_path;

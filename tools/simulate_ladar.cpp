@@ -142,6 +142,7 @@ void addOptions(CLI::App* app, Options* options) {
   app->add_option("--seed", options->seed,
                   "Number that names the scene and the noise; the same arguments give the same "
                   "bytes")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app->add_option("--out", options->out, "Bag to write; replaced if it exists")
       ->required()

@@ -119,13 +119,19 @@ void sampleBag(const std::string& path, const TerrainNodeConfig& config,
   TerrainProcessor processor(config, model, &buffer);
   Progress progress("scans of " + path, reader.scanCount());
   ScanBagReader::Scan scan;
+  bool any = false;
+  std::string first_drop;
   while (reader.next(&scan)) {
     const ros::Time deadline = scan.recorded + ros::Duration(config.tf_timeout_s);
     const auto outcome = processor.process(*scan.cloud, [&](const std::function<bool()>& ready) {
       return reader.playUntil(ready, deadline);
     });
     progress.advance();
-    if (outcome.drop) continue;
+    if (outcome.drop) {
+      if (first_drop.empty()) first_drop = scanDropName(*outcome.drop) + (": " + outcome.detail);
+      continue;
+    }
+    any = true;
     const CloudLayout& layout = processor.scanLayout();
     const Field* truth = layout.find("truth");
     if (truth == nullptr) {
@@ -137,6 +143,10 @@ void sampleBag(const std::string& path, const TerrainNodeConfig& config,
     sampleScan(processor.pipeline(), values, model.features, reservoirs);
   }
   progress.finish();
+  if (!any) {
+    throw std::runtime_error(path + ": not one scan could be used" +
+                             (first_drop.empty() ? "" : "; the first: " + first_drop));
+  }
 }
 
 arma::mat asMatrix(const Reservoir& reservoir, std::size_t features) {
@@ -272,6 +282,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(100, 10000000))
       ->capture_default_str();
   app.add_option("--seed", options.seed, "of sampling and of the start of EM")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {

@@ -5,7 +5,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "block_math.h"
+#include "ladar_perception/util/block_math.h"
 
 namespace ladar_perception {
 
@@ -28,8 +28,7 @@ void Classifier::classify(const FeatureBlock& block, int count, Classification* 
   for (std::size_t c = 0; c < mixtures_.size(); ++c) {
     mixtures_[c].logLikelihood(block, log_joint[c]);
     for (int i = 0; i < kSize; ++i) {
-      best_likelihood[i] =
-          c == 0 ? log_joint[c][i] : std::max(best_likelihood[i], log_joint[c][i]);
+      best_likelihood[i] = c == 0 ? log_joint[c][i] : std::max(best_likelihood[i], log_joint[c][i]);
       log_joint[c][i] += log_prior_[c];
     }
   }

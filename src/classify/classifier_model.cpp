@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ladar_perception/classify/classifier_model.h"
 
+#include <yaml-cpp/yaml.h>
+
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <set>
 #include <sstream>
 #include <stdexcept>
-
-#include <yaml-cpp/yaml.h>
 
 namespace ladar_perception {
 namespace {
@@ -64,8 +64,8 @@ GaussianComponent readComponent(const ModelReader& reader, const YAML::Node& nod
   component.weight = reader.value<double>(node, "weight", "a number");
   const auto mean = reader.value<std::vector<double>>(node, "mean", "a list of numbers");
   component.mean = Eigen::Map<const Eigen::VectorXd>(mean.data(), mean.size());
-  const auto rows = reader.value<std::vector<std::vector<double>>>(
-      node, "covariance", "a list of lists of numbers");
+  const auto rows = reader.value<std::vector<std::vector<double>>>(node, "covariance",
+                                                                   "a list of lists of numbers");
   component.covariance.resize(features, features);
   bool square = rows.size() == static_cast<std::size_t>(features);
   for (std::size_t i = 0; square && i < rows.size(); ++i) {
@@ -184,9 +184,10 @@ std::string quoted(const std::string& text) {
 }
 
 void writeClass(const ModelClass& model_class, std::ostream& out) {
-  out << "  - name: " << quoted(model_class.name) << "\n    color: [" << (model_class.rgb >> 16 & 255)
-      << ", " << (model_class.rgb >> 8 & 255) << ", " << (model_class.rgb & 255)
-      << "]\n    prior: " << number(model_class.prior) << "\n    components:\n";
+  out << "  - name: " << quoted(model_class.name) << "\n    color: ["
+      << (model_class.rgb >> 16 & 255) << ", " << (model_class.rgb >> 8 & 255) << ", "
+      << (model_class.rgb & 255) << "]\n    prior: " << number(model_class.prior)
+      << "\n    components:\n";
   for (const GaussianComponent& component : model_class.mixture) {
     out << "      - weight: " << number(component.weight)
         << "\n        mean: " << numberList(component.mean) << "\n        covariance:\n";

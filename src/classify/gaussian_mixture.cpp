@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ladar_perception/classify/gaussian_mixture.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
-#include "block_math.h"
+#include "ladar_perception/util/block_math.h"
+#include "ladar_perception/util/dispatch.h"
 
 namespace ladar_perception {
 namespace {
@@ -38,10 +38,37 @@ std::string componentError(const GaussianComponent& component, int features) {
   return "";
 }
 
+/// Log density of one weighted Gaussian; `features` are rows of kSize lanes.
+LADAR_VECTOR_DISPATCH
+void logDensity(const float* __restrict__ features, float log_scale, const float* mean,
+                const float* whitening, int feature_count, float* __restrict__ log_density) {
+  std::fill(log_density, log_density + kSize, log_scale);
+  const float* w = whitening;
+  for (int i = 0; i < feature_count; ++i) {
+    float whitened[kSize] = {};
+    for (int j = 0; j <= i; ++j, ++w) {
+      const float* value = features + j * kSize;
+      for (int lane = 0; lane < kSize; ++lane) whitened[lane] += *w * (value[lane] - mean[j]);
+    }
+    for (int lane = 0; lane < kSize; ++lane) {
+      log_density[lane] -= 0.5F * whitened[lane] * whitened[lane];
+    }
+  }
+  // Beyond 1e15 deviations squares overflow; -inf or NaN would spoil every sum they enter. The
+  // order of the arguments matters: max(a, NaN) is a.
+  for (int lane = 0; lane < kSize; ++lane) {
+    log_density[lane] = std::max(kLeastLogDensity, log_density[lane]);
+  }
+}
+
+LADAR_VECTOR_DISPATCH
+void logAddExpBlock(const float* __restrict__ a, float* __restrict__ sum) {
+  block_math::logAddExp<kSize>(a, sum);
+}
+
 }  // namespace
 
-std::string GaussianMixture::error(const std::vector<GaussianComponent>& components,
-                                   int features) {
+std::string GaussianMixture::error(const std::vector<GaussianComponent>& components, int features) {
   if (components.empty()) return "has no components";
   double weights = 0.0;
   for (std::size_t i = 0; i < components.size(); ++i) {
@@ -77,36 +104,17 @@ GaussianMixture::GaussianMixture(const std::vector<GaussianComponent>& component
 }
 
 void GaussianMixture::logLikelihood(const FeatureBlock& block, float* log_likelihood) const {
-  float log_sum[kSize];
   for (std::size_t c = 0; c < kernels_.size(); ++c) {
     const Kernel& kernel = kernels_[c];
     float log_density[kSize];
-    std::fill(log_density, log_density + kSize, kernel.log_scale);
-    const float* w = kernel.whitening.data();
-    for (std::size_t i = 0; i < kernel.mean.size(); ++i) {
-      float whitened[kSize] = {};
-      for (std::size_t j = 0; j <= i; ++j, ++w) {
-        const float* value = block.row(static_cast<int>(j));
-        for (int lane = 0; lane < kSize; ++lane) {
-          whitened[lane] += *w * (value[lane] - kernel.mean[j]);
-        }
-      }
-      for (int lane = 0; lane < kSize; ++lane) {
-        log_density[lane] -= 0.5F * whitened[lane] * whitened[lane];
-      }
-    }
-    // Beyond 1e15 deviations squares overflow; -inf or NaN would spoil every sum they enter. The
-    // order of the arguments matters: max(a, NaN) is a.
-    for (int lane = 0; lane < kSize; ++lane) {
-      log_density[lane] = std::max(kLeastLogDensity, log_density[lane]);
-    }
+    logDensity(block.row(0), kernel.log_scale, kernel.mean.data(), kernel.whitening.data(),
+               static_cast<int>(kernel.mean.size()), log_density);
     if (c == 0) {
-      std::copy(log_density, log_density + kSize, log_sum);
+      std::copy(log_density, log_density + kSize, log_likelihood);
     } else {
-      block_math::logAddExp<kSize>(log_density, log_sum);
+      logAddExpBlock(log_density, log_likelihood);
     }
   }
-  std::copy(log_sum, log_sum + kSize, log_likelihood);
 }
 
 }  // namespace ladar_perception

@@ -90,6 +90,14 @@ void ScanBagReader::feedStaticTransforms() {
 }
 
 bool ScanBagReader::playOne(const ros::Time& deadline) {
+  try {
+    return playMessage(deadline);
+  } catch (const ros::Exception& error) {  // of rosbag and of deserialisation
+    throw std::runtime_error(path_ + ": is damaged: " + error.what());
+  }
+}
+
+bool ScanBagReader::playMessage(const ros::Time& deadline) {
   if (at_ == view_->end()) return false;
   const rosbag::MessageInstance& message = *at_;
   if (message.getTime() > deadline) return false;

@@ -44,6 +44,7 @@ class ScanBagReader {
   void chooseTopic(const std::string& requested);
   void feedStaticTransforms();
   bool playOne(const ros::Time& deadline);
+  bool playMessage(const ros::Time& deadline);
 
   std::string path_;
   std::string topic_;

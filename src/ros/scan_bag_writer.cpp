@@ -99,6 +99,7 @@ void ScanBagWriter::close() {
     throw std::runtime_error(path_ + ": cannot be completed: " + error.what());
   }
   if (std::rename(partial_path_.c_str(), path_.c_str()) != 0) {
+    std::remove(partial_path_.c_str());
     throw std::runtime_error(path_ + ": cannot be renamed from " + partial_path_);
   }
 }

@@ -122,8 +122,7 @@ void SlidingBoxSums::updatePlaneMasks(const VoxelMap& map, int y, Window* window
   }
 }
 
-void SlidingBoxSums::slideAlongX(const VoxelMap& map, int y, Window* window,
-                                 Moments** out) const {
+void SlidingBoxSums::slideAlongX(const VoxelMap& map, int y, Window* window, Moments** out) const {
   std::fill(window->line.begin(), window->line.end(), Moments());
   for (int x = -radius_; x < radius_; ++x) addColumn(map, x, false, window);
   for (int x = 0; x < map.shape().nx; ++x) {
@@ -156,8 +155,7 @@ void SlidingBoxSums::addColumn(const VoxelMap& map, int x, bool subtract, Window
   if (x < 0 || x >= map.shape().nx) return;
   const Moments* plane = window->plane.data() + static_cast<std::size_t>(x) * planeStride(map);
   Moments* line = window->line.data() + radius_;
-  const uint64_t* mask =
-      window->plane_masks.data() + static_cast<std::size_t>(x) * map.maskWords();
+  const uint64_t* mask = window->plane_masks.data() + static_cast<std::size_t>(x) * map.maskWords();
   bit_mask::forEachSet(mask, map.maskWords(), [&](int z) {
     if (subtract) {
       line[z] -= plane[z];

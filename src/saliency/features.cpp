@@ -3,9 +3,43 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
+
+#include "ladar_perception/util/block_math.h"
+#include "ladar_perception/util/dispatch.h"
 
 namespace ladar_perception {
+namespace {
+
+enum class Mapping { kNone, kCubeRoot, kAngle };
+
+Mapping mappingOf(Feature feature) {
+  switch (feature) {
+    case Feature::kCbrtScatter:
+    case Feature::kCbrtSurface:
+    case Feature::kCbrtLinear:
+      return Mapping::kCubeRoot;
+    case Feature::kNormalAngle:
+    case Feature::kTangentAngle:
+      return Mapping::kAngle;
+    default:
+      return Mapping::kNone;
+  }
+}
+
+LADAR_VECTOR_DISPATCH
+void mapBlock(Mapping mapping, const double* __restrict__ raw, float* __restrict__ mapped) {
+  if (mapping == Mapping::kCubeRoot) {
+    for (int i = 0; i < kSaliencyBlock; ++i) {
+      mapped[i] = block_math::cubeRoot(static_cast<float>(raw[i]));
+    }
+  } else if (mapping == Mapping::kAngle) {
+    for (int i = 0; i < kSaliencyBlock; ++i) mapped[i] = block_math::acosAbsolute(raw[i]);
+  } else {
+    for (int i = 0; i < kSaliencyBlock; ++i) mapped[i] = static_cast<float>(raw[i]);
+  }
+}
+
+}  // namespace
 
 const std::vector<FeatureInfo>& allFeatures() {
   static const std::vector<FeatureInfo> kFeatures = {
@@ -37,29 +71,40 @@ const char* featureName(Feature feature) {
 }
 
 float featureValue(Feature feature, const Saliency& saliency) {
-  assert(saliency.defined);
-  const auto verticalAngle = [](const Eigen::Vector3d& direction) {
-    return static_cast<float>(std::acos(std::min(std::abs(direction.z()), 1.0)));
+  float value = 0.0F;
+  featureValues(feature, &saliency, 1, &value);
+  return value;
+}
+
+void featureValues(Feature feature, const Saliency* saliency, int count, float* values) {
+  assert(count <= kSaliencyBlock);
+  double raw[kSaliencyBlock] = {};
+  const auto gather = [&](auto&& member) {
+    for (int i = 0; i < count; ++i) raw[i] = member(saliency[i]);
   };
   switch (feature) {
     case Feature::kScatter:
-      return static_cast<float>(saliency.scatter);
-    case Feature::kSurface:
-      return static_cast<float>(saliency.surface);
-    case Feature::kLinear:
-      return static_cast<float>(saliency.linear);
     case Feature::kCbrtScatter:
-      return static_cast<float>(std::cbrt(saliency.scatter));
+      gather([](const Saliency& s) { return s.scatter; });
+      break;
+    case Feature::kSurface:
     case Feature::kCbrtSurface:
-      return static_cast<float>(std::cbrt(saliency.surface));
+      gather([](const Saliency& s) { return s.surface; });
+      break;
+    case Feature::kLinear:
     case Feature::kCbrtLinear:
-      return static_cast<float>(std::cbrt(saliency.linear));
+      gather([](const Saliency& s) { return s.linear; });
+      break;
     case Feature::kNormalAngle:
-      return verticalAngle(saliency.normal);
+      gather([](const Saliency& s) { return s.defined ? s.normal.z() : 1.0; });
+      break;
     case Feature::kTangentAngle:
-      return verticalAngle(saliency.tangent);
+      gather([](const Saliency& s) { return s.defined ? s.tangent.z() : 1.0; });
+      break;
   }
-  return 0.0F;
+  float mapped[kSaliencyBlock];
+  mapBlock(mappingOf(feature), raw, mapped);
+  std::copy(mapped, mapped + count, values);
 }
 
 }  // namespace ladar_perception

@@ -28,8 +28,7 @@ Eigen::Isometry3d SensorMotion::poseAt(double offset_s) const {
   const Eigen::Quaterniond rotation_a(a.T_map_sensor.linear());
   const Eigen::Quaterniond rotation_b(b.T_map_sensor.linear());
   Eigen::Isometry3d pose(rotation_a.slerp(t, rotation_b));
-  pose.translation() =
-      (1.0 - t) * a.T_map_sensor.translation() + t * b.T_map_sensor.translation();
+  pose.translation() = (1.0 - t) * a.T_map_sensor.translation() + t * b.T_map_sensor.translation();
   return pose;
 }
 

@@ -20,8 +20,10 @@ double voxelsAcross(double size_m, double voxel_size_m) {
 void TerrainConfig::addTo(ParamTable* table) {
   table->add("voxel_size_m", &voxel_size_m, kMinVoxelSize_m, 2.0, "m",
              "edge of a voxel; the model must have been learned at the same size");
-  table->add("map_size_x_m", &map_size_x_m, 1.0, 400.0, "m", "extent of the map around the vehicle");
-  table->add("map_size_y_m", &map_size_y_m, 1.0, 400.0, "m", "extent of the map around the vehicle");
+  table->add("map_size_x_m", &map_size_x_m, 1.0, 400.0, "m",
+             "extent of the map around the vehicle");
+  table->add("map_size_y_m", &map_size_y_m, 1.0, 400.0, "m",
+             "extent of the map around the vehicle");
   table->add("map_size_z_m", &map_size_z_m, 0.5, 100.0, "m", "height of the map");
   table->add("map_center_height_m", &map_center_height_m, -50.0, 50.0, "m",
              "height of the map's middle over the vehicle frame's origin");
@@ -32,8 +34,7 @@ void TerrainConfig::addTo(ParamTable* table) {
   table->add("min_range_m", &min_range_m, 0.0, 100.0, "m",
              "nearer points are dropped: the vehicle itself, and invalid returns at 0");
   table->add("max_range_m", &max_range_m, 1.0, 1000.0, "m", "farther points are dropped");
-  table->add("threads", &threads, 1, 64, "threads",
-             "results are the same bits for any number");
+  table->add("threads", &threads, 1, 64, "threads", "results are the same bits for any number");
 }
 
 std::vector<std::string> TerrainConfig::validate() const {

@@ -97,10 +97,9 @@ const ScanReport& TerrainPipeline::process(const CloudView& cloud, const PointFi
   timer.endOf(Stage::kLabel);
 
   report_.occupied_voxels = map_.occupied();
-  report_.memory_bytes = map_.memoryBytes() + box_sums_.memoryBytes() +
-                         sums_.capacity() * sizeof(Moments) +
-                         voxels_.capacity() * sizeof(VoxelResult) +
-                         voxel_indices_.capacity() * sizeof(VoxelIndex);
+  report_.memory_bytes =
+      map_.memoryBytes() + box_sums_.memoryBytes() + sums_.capacity() * sizeof(Moments) +
+      voxels_.capacity() * sizeof(VoxelResult) + voxel_indices_.capacity() * sizeof(VoxelIndex);
   return report_;
 }
 
@@ -118,8 +117,8 @@ void TerrainPipeline::reset() {
 void TerrainPipeline::scrollTo(const Eigen::Vector3d& p_map_vehicle) {
   const Eigen::Vector3d p_map_center =
       p_map_vehicle + Eigen::Vector3d(0.0, 0.0, config_.map_center_height_m);
-  const VoxelIndex center =
-      voxelOf(toFixedPoint(p_map_center, static_cast<double>(kStepsPerVoxel) / config_.voxel_size_m));
+  const VoxelIndex center = voxelOf(
+      toFixedPoint(p_map_center, static_cast<double>(kStepsPerVoxel) / config_.voxel_size_m));
   const MapShape& shape = map_.shape();
   map_.scrollTo({center.x - shape.nx / 2, center.y - shape.ny / 2, center.z - shape.nz / 2});
 }
@@ -168,32 +167,30 @@ void TerrainPipeline::classifyVoxels() {
 }
 
 void TerrainPipeline::classifyRows(std::size_t begin, std::size_t end) {
+  constexpr std::size_t kBlock = kSaliencyBlock;
   const double step_m = config_.voxel_size_m / static_cast<double>(kStepsPerVoxel);
   const auto& features = classifier_.features();
   FeatureBlock block(static_cast<int>(features.size()));
-  std::array<std::size_t, FeatureBlock::kSize> rows{};
-  std::array<Classification, FeatureBlock::kSize> classified;
-  int count = 0;
-  const auto flush = [&] {
-    classifier_.classify(block, count, classified.data());
-    for (int i = 0; i < count; ++i) voxels_[rows[i]].classification = classified[i];
-    count = 0;
-  };
-  for (std::size_t row = begin; row < end; ++row) {
-    VoxelResult& voxel = voxels_[row];
-    voxel.classification = Classification();
-    voxel.saliency = saliencyOf(sums_[row].about(centerOf(voxel_indices_[row])), step_m);
-    if (!voxel.saliency.defined ||
-        voxel.saliency.points < static_cast<uint32_t>(config_.min_support_points)) {
-      continue;
+  std::array<CenteredMoments, kBlock> moments;
+  std::array<Saliency, kBlock> saliency;
+  std::array<Classification, kBlock> classified;
+  for (std::size_t first = begin; first < end; first += kBlock) {
+    const int count = static_cast<int>(std::min(kBlock, end - first));
+    for (int i = 0; i < count; ++i) {
+      moments[i] = sums_[first + i].about(centerOf(voxel_indices_[first + i]));
     }
+    saliencyOfBlock(moments.data(), count, step_m, saliency.data());
     for (std::size_t f = 0; f < features.size(); ++f) {
-      block.row(static_cast<int>(f))[count] = featureValue(features[f], voxel.saliency);
+      featureValues(features[f], saliency.data(), count, block.row(static_cast<int>(f)));
     }
-    rows[count] = row;
-    if (++count == FeatureBlock::kSize) flush();
+    classifier_.classify(block, count, classified.data());
+    for (int i = 0; i < count; ++i) {
+      const bool supported =
+          saliency[i].defined &&
+          saliency[i].points >= static_cast<uint32_t>(config_.min_support_points);
+      voxels_[first + i] = {saliency[i], supported ? classified[i] : Classification()};
+    }
   }
-  if (count > 0) flush();
 }
 
 void TerrainPipeline::labelPoints() {

@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "ladar_perception/saliency/saliency.h"
+
 namespace ladar_perception {
 
 /// One Gaussian of a mixture.
@@ -19,7 +21,7 @@ struct GaussianComponent {
 /// Features of a block of support volumes, feature by feature: value(f, i) of volume i.
 class FeatureBlock {
  public:
-  static constexpr int kSize = 64;  ///< volumes in a block
+  static constexpr int kSize = kSaliencyBlock;  ///< volumes in a block
 
   explicit FeatureBlock(int features) : values_(static_cast<std::size_t>(features) * kSize) {}
   float* row(int feature) { return values_.data() + static_cast<std::size_t>(feature) * kSize; }

@@ -30,4 +30,9 @@ SymmetricMatrix3 scatterMatrix(const CenteredMoments& moments, double step_m);
 /// step, voxel size / kStepsPerVoxel.
 Saliency saliencyOf(const CenteredMoments& moments, double step_m);
 
+/// Support volumes that are worked on together.
+constexpr int kSaliencyBlock = 64;
+/// The same, bit by bit, for `count` <= kSaliencyBlock volumes, several at a time.
+void saliencyOfBlock(const CenteredMoments* moments, int count, double step_m, Saliency* result);
+
 }  // namespace ladar_perception
