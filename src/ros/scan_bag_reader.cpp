@@ -3,6 +3,7 @@
 
 #include <tf2_msgs/TFMessage.h>
 
+#include <fstream>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -26,6 +27,7 @@ void feed(const rosbag::MessageInstance& message, bool is_static, tf2::BufferCor
 ScanBagReader::ScanBagReader(const std::string& path, const std::string& topic,
                              tf2::BufferCore* buffer)
     : path_(path), buffer_(buffer) {
+  if (!std::ifstream(path)) throw std::runtime_error(path + ": bag cannot be opened");
   try {
     bag_.open(path, rosbag::bagmode::Read);
     chooseTopic(topic);
