@@ -17,7 +17,7 @@ set -u
 cd /
 share="$prefix/share/ladar_perception"
 [ "$(rospack find ladar_perception)" = "$share" ]
-rospack plugins --attrib=plugin nodelet | grep -q "ladar_perception $share/nodelet_plugins.xml"
+rospack plugins --attrib=plugin nodelet | grep >/dev/null "ladar_perception $share/nodelet_plugins.xml"
 [ -f "$prefix/lib/libladar_perception_nodelets.so" ]
 if ldd "$prefix/lib/libladar_perception_nodelets.so" | grep 'not found'; then exit 1; fi
 
@@ -28,6 +28,6 @@ rosrun ladar_perception simulate_ladar --duration 0.5 --out "$work/scans.bag"
 rosrun ladar_perception classify_bag "$work/scans.bag" --metrics "$work/metrics.json"
 rosrun ladar_perception classify_bag "$work/scans.bag" --config "$share/config/terrain.yaml"
 grep -q '"scans": 10' "$work/metrics.json"
-roslaunch --files ladar_perception replay.launch bag:=x | grep -q "$share/launch/terrain.launch"
+roslaunch --files ladar_perception replay.launch bag:=x | grep >/dev/null "$share/launch/terrain.launch"
 rosrun ladar_perception terrain_summary.py --help >"$work/help.txt"
 [ -f "$share/rviz/terrain.rviz" ]
