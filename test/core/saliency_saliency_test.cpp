@@ -185,7 +185,7 @@ TEST(Saliency, ABallScatters) {
 }
 
 TEST(Saliency, QuantisingCostsLessThanAFortiethOfAMillimetre) {
-  // METHOD.md: the error of sqrt(l0) is 0.024 mm at worst, for a noisy plane.
+  // The error of sqrt(l0) is 0.024 mm at worst, for a noisy plane.
   for (const double noise_m : {0.001, 0.005, 0.02}) {
     TestRandom random(3);
     std::vector<Vector3d> points;
