@@ -24,7 +24,7 @@ cd "$(dirname "$(realpath "$0")")"
 [ -z "$bag" ] || [ -r "$bag" ] || fail "$bag: no such bag"
 install_missing "${build_packages[@]}" "${run_packages[@]}" "${view_packages[@]}"
 echo "building"
-build build all -DCMAKE_BUILD_TYPE=Release
+build build all -DCMAKE_BUILD_TYPE=Release -DCATKIN_ENABLE_TESTING=OFF
 set +u
 . build/devel/setup.sh
 set -u
@@ -67,6 +67,10 @@ echo "playing $bag"
 roslaunch -p "$port" ladar_perception replay.launch bag:="$bag" points:="$topic" delay:=4 \
   >out/roslaunch.log 2>&1 &
 children+=($!)
+for _ in $(seq 100); do
+  rosparam get /run_id >/dev/null 2>&1 && break
+  sleep 0.1
+done
 rosrun ladar_perception terrain_summary.py || fail "the replay gave no labels; see out/roslaunch.log"
 import -window root out/demo.png 2>out/picture.log || fail "no picture; see out/picture.log"
 echo "picture: out/demo.png"
