@@ -24,7 +24,7 @@ cd "$(dirname "$(realpath "$0")")"
 [ -z "$bag" ] || [ -r "$bag" ] || fail "$bag: no such bag"
 install_missing "${build_packages[@]}" "${run_packages[@]}" "${view_packages[@]}"
 echo "building"
-build build all -DCMAKE_BUILD_TYPE=Release -DCATKIN_ENABLE_TESTING=OFF
+build build all "${build_options[@]}" -DCATKIN_ENABLE_TESTING=OFF
 set +u
 . build/devel/setup.sh
 set -u

@@ -12,8 +12,7 @@ step() { printf '== %s (%d s)\n' "$*" "$SECONDS"; }
 install_missing "${build_packages[@]}" "${run_packages[@]}" "${test_packages[@]}"
 
 step "building"
-build build all -DCMAKE_BUILD_TYPE=Release -DCATKIN_ENABLE_TESTING=ON \
-  -DLADAR_WARNINGS_AS_ERRORS=ON
+build build all "${build_options[@]}" -DCATKIN_ENABLE_TESTING=ON
 run_logged build/build_tests.log ninja -C build tests
 
 step "core, program and ROS tests, launch files"

@@ -16,6 +16,9 @@ run_packages=(
 view_packages=(rviz xvfb libgl1-mesa-dri imagemagick)
 test_packages=(libgtest-dev librostest-dev python3-rostest catkin-lint)
 
+# The same for the demo and the tests, so that neither builds again what the other has built.
+build_options=(-DCMAKE_BUILD_TYPE=Release -DLADAR_WARNINGS_AS_ERRORS=ON)
+
 # fail MESSAGE: the one clear line, and a non-zero status.
 fail() {
   echo "FAILED: $*" >&2
