@@ -56,7 +56,7 @@ class ParamTable {
 /// are text. Throws std::runtime_error with file and line if it is no map of names to values.
 ParamMap loadParamFile(const std::string& path);
 
-/// "name: 1.5 (real)" of a value, for messages.
+/// The value as messages put it: "true", "2", "1.5 (a real number)", "the text 'x'", "a list".
 std::string describeValue(const ParamValue& value);
 
 }  // namespace ladar_perception
