@@ -101,8 +101,7 @@ void sampleScan(const TerrainPipeline& pipeline, const std::vector<double>& trut
     if (!(truth[i] >= 1.0 && truth[i] <= kClasses.size())) continue;
     const CellId cell = pipeline.pointCells()[i];
     if (cell == kNoCell) continue;
-    const Saliency& saliency =
-        pipeline.voxels()[pipeline.voxelOrder().rowOf(pipeline.map(), cell)].saliency;
+    const SaliencyF& saliency = pipeline.saliency(pipeline.map().slotOf(cell));
     if (!saliency.defined || saliency.points < least) continue;
     (*reservoirs)[static_cast<std::size_t>(truth[i]) - 1].offer([&] {
       std::vector<double> sample;

@@ -39,31 +39,24 @@ std::string componentError(const GaussianComponent& component, int features) {
 }
 
 /// Log density of one weighted Gaussian; `features` are rows of kSize lanes.
-LADAR_VECTOR_DISPATCH
-void logDensity(const float* __restrict__ features, float log_scale, const float* mean,
-                const float* whitening, int feature_count, float* __restrict__ log_density) {
-  std::fill(log_density, log_density + kSize, log_scale);
+LADAR_INLINE void logDensity(const float* __restrict__ features, float log_scale,
+                             const float* __restrict__ mean, const float* __restrict__ whitening,
+                             int feature_count, float* __restrict__ log_density) {
+  float squared[kSize] = {};
   const float* w = whitening;
   for (int i = 0; i < feature_count; ++i) {
     float whitened[kSize] = {};
     for (int j = 0; j <= i; ++j, ++w) {
-      const float* value = features + j * kSize;
+      const float* __restrict__ value = features + j * kSize;
       for (int lane = 0; lane < kSize; ++lane) whitened[lane] += *w * (value[lane] - mean[j]);
     }
-    for (int lane = 0; lane < kSize; ++lane) {
-      log_density[lane] -= 0.5F * whitened[lane] * whitened[lane];
-    }
+    for (int lane = 0; lane < kSize; ++lane) squared[lane] += whitened[lane] * whitened[lane];
   }
   // Beyond 1e15 deviations squares overflow; -inf or NaN would spoil every sum they enter. The
   // order of the arguments matters: max(a, NaN) is a.
   for (int lane = 0; lane < kSize; ++lane) {
-    log_density[lane] = std::max(kLeastLogDensity, log_density[lane]);
+    log_density[lane] = std::max(kLeastLogDensity, log_scale - 0.5F * squared[lane]);
   }
-}
-
-LADAR_VECTOR_DISPATCH
-void logAddExpBlock(const float* __restrict__ a, float* __restrict__ sum) {
-  block_math::logAddExp<kSize>(a, sum);
 }
 
 }  // namespace
@@ -104,17 +97,19 @@ GaussianMixture::GaussianMixture(const std::vector<GaussianComponent>& component
 }
 
 void GaussianMixture::logLikelihood(const FeatureBlock& block, float* log_likelihood) const {
-  for (std::size_t c = 0; c < kernels_.size(); ++c) {
-    const Kernel& kernel = kernels_[c];
+  dispatch([&]() LADAR_INLINE_LAMBDA {
     float log_density[kSize];
-    logDensity(block.row(0), kernel.log_scale, kernel.mean.data(), kernel.whitening.data(),
-               static_cast<int>(kernel.mean.size()), log_density);
-    if (c == 0) {
-      std::copy(log_density, log_density + kSize, log_likelihood);
-    } else {
-      logAddExpBlock(log_density, log_likelihood);
+    for (std::size_t c = 0; c < kernels_.size(); ++c) {
+      const Kernel& kernel = kernels_[c];
+      logDensity(block.row(0), kernel.log_scale, kernel.mean.data(), kernel.whitening.data(),
+                 static_cast<int>(kernel.mean.size()), log_density);
+      if (c == 0) {
+        std::copy_n(log_density, kSize, log_likelihood);
+      } else {
+        block_math::logAddExp<kSize>(log_density, log_likelihood);
+      }
     }
-  }
+  });
 }
 
 }  // namespace ladar_perception

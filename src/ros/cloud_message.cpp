@@ -5,8 +5,6 @@
 #include <cstring>
 #include <limits>
 
-#include "ladar_perception/map/bit_mask.h"
-
 namespace ladar_perception {
 namespace {
 
@@ -36,19 +34,16 @@ CloudLayout mapLayout() {
   return layout;
 }
 
-MapPoint mapPoint(const Eigen::Vector3d& p_map, uint32_t points, const VoxelResult& voxel,
-                  const ClassifierModel& model) {
+MapPoint mapPoint(const Eigen::Vector3d& p_map, uint32_t points, const SaliencyF& saliency,
+                  const Classification& classification, const ClassifierModel& model) {
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   MapPoint out{};
   out.x = static_cast<float>(p_map.x());
   out.y = static_cast<float>(p_map.y());
   out.z = static_cast<float>(p_map.z());
-  out.rgb = model.labelColor(voxel.classification.label);
-  out.confidence = voxel.classification.confidence;
-  const Saliency& saliency = voxel.saliency;
-  const auto known = [&](double value) {
-    return saliency.defined ? static_cast<float>(value) : kNaN;
-  };
+  out.rgb = model.labelColor(classification.label);
+  out.confidence = classification.confidence;
+  const auto known = [&](float value) { return saliency.defined ? value : kNaN; };
   out.scatter = known(saliency.scatter);
   out.surface = known(saliency.surface);
   out.linear = known(saliency.linear);
@@ -56,7 +51,7 @@ MapPoint mapPoint(const Eigen::Vector3d& p_map, uint32_t points, const VoxelResu
   out.normal_y = known(saliency.normal.y());
   out.normal_z = known(saliency.normal.z());
   out.points = points;
-  out.label = voxel.classification.label;
+  out.label = classification.label;
   return out;
 }
 
@@ -129,25 +124,17 @@ sensor_msgs::PointCloud2Ptr makeLabeledMap(const TerrainPipeline& pipeline,
   message->header = header;
   message->data.reserve(map.occupied() * sizeof(MapPoint));
   bool dense = true;
-  std::size_t row = 0;
-  const VoxelIndex& min = map.minCorner();
-  for (int y = 0; y < map.shape().ny; ++y) {
-    for (int x = 0; x < map.shape().nx; ++x) {
-      const int column = map.columnAt(x, y);
-      const Moments* record = map.recordCount(column) > 0 ? map.records(column) : nullptr;
-      bit_mask::forEachSet(map.mask(column), map.maskWords(), [&](int z) {
-        const VoxelIndex voxel = {min.x + x, min.y + y, min.z + z};
-        const Eigen::Vector3d p_map = centroid(*record, voxel, step_m);
-        const VoxelResult& result = pipeline.voxels()[row++];
-        const uint32_t points = record++->count();
-        if ((p_map - p_map_vehicle).head<2>().squaredNorm() > radius_m * radius_m) return;
-        dense = dense && result.saliency.defined;
-        const MapPoint point = mapPoint(p_map, points, result, pipeline.model());
-        const auto* bytes = reinterpret_cast<const uint8_t*>(&point);
-        message->data.insert(message->data.end(), bytes, bytes + sizeof(point));
-      });
-    }
-  }
+  map.forEachVoxel([&](const VoxelIndex& voxel, std::size_t slot) {
+    const Moments& record = map.record(slot);
+    const Eigen::Vector3d p_map = centroid(record, voxel, step_m);
+    if ((p_map - p_map_vehicle).head<2>().squaredNorm() > radius_m * radius_m) return;
+    const SaliencyF& saliency = pipeline.saliency(slot);
+    dense = dense && saliency.defined;
+    const MapPoint point = mapPoint(p_map, record.count(), saliency,
+                                    pipeline.classification(slot), pipeline.model());
+    const auto* bytes = reinterpret_cast<const uint8_t*>(&point);
+    message->data.insert(message->data.end(), bytes, bytes + sizeof(point));
+  });
   CloudLayout layout = mapLayout();
   layout.width = static_cast<uint32_t>(message->data.size() / sizeof(MapPoint));
   layout.pack();

@@ -115,7 +115,7 @@ ScanOutcome TerrainProcessor::process(const sensor_msgs::PointCloud2& scan, cons
     return outcome;
   }
   pipeline_.process(cloud, *fields, time_offsets_s_, SensorMotion(std::move(knots)),
-                    outcome.p_map_vehicle);
+                    outcome.p_map_vehicle, stamp.toSec());
   return outcome;
 }
 

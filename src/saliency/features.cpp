@@ -2,7 +2,7 @@
 #include "ladar_perception/saliency/features.h"
 
 #include <algorithm>
-#include <cassert>
+#include <cmath>
 
 #include "ladar_perception/util/block_math.h"
 #include "ladar_perception/util/dispatch.h"
@@ -10,32 +10,17 @@
 namespace ladar_perception {
 namespace {
 
-enum class Mapping { kNone, kCubeRoot, kAngle };
+constexpr int kSize = SaliencyBlock::kSize;
 
-Mapping mappingOf(Feature feature) {
-  switch (feature) {
-    case Feature::kCbrtScatter:
-    case Feature::kCbrtSurface:
-    case Feature::kCbrtLinear:
-      return Mapping::kCubeRoot;
-    case Feature::kNormalAngle:
-    case Feature::kTangentAngle:
-      return Mapping::kAngle;
-    default:
-      return Mapping::kNone;
-  }
+LADAR_INLINE void cubeRoots(const float* __restrict__ x, float* __restrict__ values) {
+  for (int i = 0; i < kSize; ++i) values[i] = block_math::cubeRoot(x[i]);
 }
 
-LADAR_VECTOR_DISPATCH
-void mapBlock(Mapping mapping, const double* __restrict__ raw, float* __restrict__ mapped) {
-  if (mapping == Mapping::kCubeRoot) {
-    for (int i = 0; i < kSaliencyBlock; ++i) {
-      mapped[i] = block_math::cubeRoot(static_cast<float>(raw[i]));
-    }
-  } else if (mapping == Mapping::kAngle) {
-    for (int i = 0; i < kSaliencyBlock; ++i) mapped[i] = block_math::acosAbsolute(raw[i]);
-  } else {
-    for (int i = 0; i < kSaliencyBlock; ++i) mapped[i] = static_cast<float>(raw[i]);
+LADAR_INLINE void anglesToVertical(const float (&direction)[3][kSize], float* __restrict__ values) {
+  for (int i = 0; i < kSize; ++i) {
+    const float x = direction[0][i];
+    const float y = direction[1][i];
+    values[i] = block_math::angleToVertical(std::sqrt(x * x + y * y), direction[2][i]);
   }
 }
 
@@ -70,41 +55,43 @@ const char* featureName(Feature feature) {
   return "";
 }
 
-float featureValue(Feature feature, const Saliency& saliency) {
-  float value = 0.0F;
-  featureValues(feature, &saliency, 1, &value);
-  return value;
+float featureValue(Feature feature, const SaliencyF& saliency) {
+  SaliencyBlock block = {};
+  block.set(0, saliency);
+  float values[kSize];
+  featureValues(feature, block, values);
+  return values[0];
 }
 
-void featureValues(Feature feature, const Saliency* saliency, int count, float* values) {
-  assert(count <= kSaliencyBlock);
-  double raw[kSaliencyBlock] = {};
-  const auto gather = [&](auto&& member) {
-    for (int i = 0; i < count; ++i) raw[i] = member(saliency[i]);
-  };
-  switch (feature) {
-    case Feature::kScatter:
-    case Feature::kCbrtScatter:
-      gather([](const Saliency& s) { return s.scatter; });
-      break;
-    case Feature::kSurface:
-    case Feature::kCbrtSurface:
-      gather([](const Saliency& s) { return s.surface; });
-      break;
-    case Feature::kLinear:
-    case Feature::kCbrtLinear:
-      gather([](const Saliency& s) { return s.linear; });
-      break;
-    case Feature::kNormalAngle:
-      gather([](const Saliency& s) { return s.defined ? s.normal.z() : 1.0; });
-      break;
-    case Feature::kTangentAngle:
-      gather([](const Saliency& s) { return s.defined ? s.tangent.z() : 1.0; });
-      break;
-  }
-  float mapped[kSaliencyBlock];
-  mapBlock(mappingOf(feature), raw, mapped);
-  std::copy(mapped, mapped + count, values);
+void featureValues(Feature feature, const SaliencyBlock& block, float* values) {
+  dispatch([&]() LADAR_INLINE_LAMBDA {
+    switch (feature) {
+      case Feature::kScatter:
+        std::copy_n(block.scatter, kSize, values);
+        break;
+      case Feature::kSurface:
+        std::copy_n(block.surface, kSize, values);
+        break;
+      case Feature::kLinear:
+        std::copy_n(block.linear, kSize, values);
+        break;
+      case Feature::kCbrtScatter:
+        cubeRoots(block.scatter, values);
+        break;
+      case Feature::kCbrtSurface:
+        cubeRoots(block.surface, values);
+        break;
+      case Feature::kCbrtLinear:
+        cubeRoots(block.linear, values);
+        break;
+      case Feature::kNormalAngle:
+        anglesToVertical(block.normal, values);
+        break;
+      case Feature::kTangentAngle:
+        anglesToVertical(block.tangent, values);
+        break;
+    }
+  });
 }
 
 }  // namespace ladar_perception

@@ -34,6 +34,10 @@ void TerrainConfig::addTo(ParamTable* table) {
   table->add("min_range_m", &min_range_m, 0.0, 100.0, "m",
              "nearer points are dropped: the vehicle itself, and invalid returns at 0");
   table->add("max_range_m", &max_range_m, 1.0, 1000.0, "m", "farther points are dropped");
+  table->add("forget_after_s", &forget_after_s, 0.0, 86400.0, "s",
+             "points older than this leave the map; 0 keeps them until it scrolls away");
+  table->add("forget_after_scans", &forget_after_scans, 0, 1000000, "scans",
+             "the same, counted in scans; at most one of the two is set");
   table->add("threads", &threads, 1, 64, "threads", "results are the same bits for any number");
 }
 
@@ -52,12 +56,18 @@ std::vector<std::string> TerrainConfig::validate() const {
   checkAxis("map_size_z_m", map_size_z_m, kMaxHeights);
   if (violations.empty()) {
     const MapShape shape = mapShape();
-    if (std::int64_t{shape.nx} * shape.ny * shape.nz >= std::int64_t{kNoCell}) {
-      violations.emplace_back("map_size_*_m: more than 2^32 voxels");
+    std::int64_t heights = 1;
+    while (heights < shape.nz) heights *= 2;
+    if (std::int64_t{shape.nx} * shape.ny * heights >= std::int64_t{kNoCell}) {
+      violations.emplace_back(
+          "map_size_*_m: more than 2^32 voxels (heights count as the next power of two)");
     }
   }
   if (min_range_m >= max_range_m) {
     violations.emplace_back("min_range_m: must be less than max_range_m");
+  }
+  if (forget_after_s > 0.0 && forget_after_scans > 0) {
+    violations.emplace_back("forget_after_s, forget_after_scans: only one of them may be set");
   }
   return violations;
 }

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "ladar_perception/util/dispatch.h"
+
 namespace ladar_perception {
 namespace {
 
@@ -61,21 +63,85 @@ const char* stageName(Stage stage) {
   return "";
 }
 
+/// Turns box sums into saliencies and classes, a block of voxels at a time: the output of
+/// SlidingBoxSums. Call flush() when the last sums are there.
+class TerrainPipeline::VoxelClassifier {
+ public:
+  explicit VoxelClassifier(TerrainPipeline* pipeline)
+      : pipeline_(*pipeline),
+        map_(pipeline->map_),
+        step_m_(pipeline->config_.voxel_size_m / static_cast<double>(kStepsPerVoxel)),
+        features_(static_cast<int>(pipeline->classifier_.features().size())) {}
+
+  LADAR_INLINE Moments& place(std::size_t slot, int x, int y, int z) {
+    if (count_ == kSaliencyBlock) flush();
+    const VoxelIndex& min = map_.minCorner();
+    voxels_[count_] = {min.x + x, min.y + y, min.z + z};
+    slots_[count_] = static_cast<uint32_t>(slot);
+    return sums_[count_++];
+  }
+
+  void flush() {
+    const auto begin = Clock::now();
+    classifyBlock();
+    voxels_done_ += count_;
+    count_ = 0;
+    duration_ms_ += std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+  }
+
+  std::size_t voxelsDone() const { return voxels_done_; }
+  double milliseconds() const { return duration_ms_; }
+
+ private:
+  void classifyBlock() {
+    saliencyOfBlock(sums_, voxels_, count_, step_m_, &block_);
+    const auto& features = pipeline_.classifier_.features();
+    for (std::size_t f = 0; f < features.size(); ++f) {
+      featureValues(features[f], block_, features_.row(static_cast<int>(f)));
+    }
+    Classification classified[kSaliencyBlock];
+    pipeline_.classifier_.classify(features_, count_, classified);
+    const auto least = static_cast<uint32_t>(pipeline_.config_.min_support_points);
+    for (int i = 0; i < count_; ++i) {
+      const bool supported = block_.defined[i] != 0 && block_.points[i] >= least;
+      pipeline_.saliencies_[slots_[i]] = block_.at(i);
+      pipeline_.classifications_[slots_[i]] = supported ? classified[i] : Classification();
+    }
+  }
+
+  TerrainPipeline& pipeline_;
+  const VoxelMap& map_;
+  double step_m_;
+  int count_ = 0;
+  Moments sums_[kSaliencyBlock];
+  VoxelIndex voxels_[kSaliencyBlock];
+  uint32_t slots_[kSaliencyBlock];
+  SaliencyBlock block_;
+  FeatureBlock features_;
+  std::size_t voxels_done_ = 0;
+  double duration_ms_ = 0.0;
+};
+
 TerrainPipeline::TerrainPipeline(const TerrainConfig& config, const ClassifierModel& model)
     : config_(config),
       model_(model),
       classifier_(model),
       pool_(config.threads),
-      map_(config.mapShape(), maxPointsPerVoxel(config.support_radius_voxels)),
-      box_sums_(config.support_radius_voxels) {
+      map_(config.mapShape(), maxPointsPerVoxel(config.support_radius_voxels)) {
   assert(config.validate().empty());
   assert(modelMisfit(model, config.voxel_size_m, config.support_radius_voxels).empty());
+  for (int i = 0; i < config.threads; ++i) {
+    box_sums_.emplace_back(cube(config.support_radius_voxels));
+  }
+  if (config.forget_after_s > 0.0 || config.forget_after_scans > 0) {
+    slices_ = EvidenceSlices(config.mapShape(), maxPointsPerVoxel(config.support_radius_voxels));
+  }
 }
 
 const ScanReport& TerrainPipeline::process(const CloudView& cloud, const PointFields& fields,
                                            const std::vector<float>& time_offsets_s,
                                            const SensorMotion& motion,
-                                           const Eigen::Vector3d& p_map_vehicle) {
+                                           const Eigen::Vector3d& p_map_vehicle, double stamp_s) {
   report_ = ScanReport();
   StageTimer timer(&report_.stage_ms);
   readPositions(cloud, fields, &positions_m_);
@@ -83,32 +149,27 @@ const ScanReport& TerrainPipeline::process(const CloudView& cloud, const PointFi
   timer.endOf(Stage::kRead);
 
   scrollTo(p_map_vehicle);
+  forgetOldPoints(stamp_s);
   insertPoints(time_offsets_s, motion);
   timer.endOf(Stage::kInsert);
 
-  order_.update(map_);
-  box_sums_.compute(map_, order_, &pool_, &sums_);
+  updateVoxels();
   timer.endOf(Stage::kSum);
-
-  classifyVoxels();
-  timer.endOf(Stage::kClassify);
+  report_.stage_ms[static_cast<int>(Stage::kSum)] -=
+      report_.stage_ms[static_cast<int>(Stage::kClassify)];
 
   labelPoints();
   timer.endOf(Stage::kLabel);
 
   report_.occupied_voxels = map_.occupied();
-  report_.memory_bytes =
-      map_.memoryBytes() + box_sums_.memoryBytes() + sums_.capacity() * sizeof(Moments) +
-      voxels_.capacity() * sizeof(VoxelResult) + voxel_indices_.capacity() * sizeof(VoxelIndex);
+  report_.memory_bytes = memoryBytes();
   return report_;
 }
 
 void TerrainPipeline::reset() {
   map_.clear();
-  order_.update(map_);
-  sums_.clear();
-  voxels_.clear();
-  voxel_indices_.clear();
+  slices_.clear();
+  scans_ = 0;
   point_cells_.clear();
   point_labels_.clear();
   report_ = ScanReport();
@@ -120,77 +181,98 @@ void TerrainPipeline::scrollTo(const Eigen::Vector3d& p_map_vehicle) {
   const VoxelIndex center = voxelOf(
       toFixedPoint(p_map_center, static_cast<double>(kStepsPerVoxel) / config_.voxel_size_m));
   const MapShape& shape = map_.shape();
-  map_.scrollTo({center.x - shape.nx / 2, center.y - shape.ny / 2, center.z - shape.nz / 2});
+  const VoxelIndex min = {center.x - shape.nx / 2, center.y - shape.ny / 2,
+                          center.z - shape.nz / 2};
+  map_.scrollTo(min);
+  slices_.scrollTo(min);
+}
+
+void TerrainPipeline::forgetOldPoints(double stamp_s) {
+  if (!slices_.enabled()) return;
+  const double lifetimes = config_.forget_after_s > 0.0
+                               ? std::max(stamp_s, 0.0) / config_.forget_after_s
+                               : static_cast<double>(scans_) / config_.forget_after_scans;
+  slices_.advance(lifetimes, &map_);
+  ++scans_;
 }
 
 void TerrainPipeline::insertPoints(const std::vector<float>& time_offsets_s,
                                    const SensorMotion& motion) {
-  motion_table_.assign(motion);
-  const Eigen::Isometry3d T_map_sensor = motion.poseAt(0.0);
-  const double steps_per_m = static_cast<double>(kStepsPerVoxel) / config_.voxel_size_m;
-  const double min_squared = config_.min_range_m * config_.min_range_m;
-  const double max_squared = config_.max_range_m * config_.max_range_m;
   report_.points_in = positions_m_.size();
   point_cells_.assign(positions_m_.size(), kNoCell);
-  const auto drop = [&](PointDrop reason) { ++report_.dropped[static_cast<int>(reason)]; };
-  for (std::size_t i = 0; i < positions_m_.size(); ++i) {
-    const Eigen::Vector3d& p_sensor = positions_m_[i];
-    const double range_squared = p_sensor.squaredNorm();
-    if (!p_sensor.allFinite()) {
-      drop(PointDrop::kNotFinite);
-    } else if (range_squared < min_squared) {
-      drop(PointDrop::kTooNear);
-    } else if (range_squared > max_squared) {
-      drop(PointDrop::kTooFar);
+  motion_table_.assign(time_offsets_s.empty() ? SensorMotion(motion.poseAt(0.0)) : motion);
+  dispatch([&]() LADAR_INLINE_LAMBDA {
+    if (slices_.enabled()) {
+      VoxelMap& slice = slices_.current();
+      insertEach(time_offsets_s, [&](const FixedPoint& q, CellId* cell) LADAR_INLINE_LAMBDA {
+        const InsertResult result = map_.insert(q, cell);
+        CellId same;
+        if (result == InsertResult::kInserted) slice.insert(q, &same);
+        return result;
+      });
     } else {
-      const Eigen::Vector3d p_map = time_offsets_s.empty()
-                                        ? T_map_sensor * p_sensor
-                                        : motion_table_.nearest(time_offsets_s[i]) * p_sensor;
-      const auto result = map_.insert(toFixedPoint(p_map, steps_per_m), &point_cells_[i]);
-      if (result == VoxelMap::InsertResult::kInserted) {
-        ++report_.points_inserted;
-      } else {
-        drop(result == VoxelMap::InsertResult::kOutside ? PointDrop::kOutsideMap
-                                                        : PointDrop::kSaturated);
-      }
+      insertEach(time_offsets_s, [&](const FixedPoint& q, CellId* cell) LADAR_INLINE_LAMBDA {
+        return map_.insert(q, cell);
+      });
     }
-  }
-}
-
-void TerrainPipeline::classifyVoxels() {
-  order_.listVoxels(map_, &voxel_indices_);
-  voxels_.resize(order_.rows);
-  pool_.run([&](int share) {
-    const std::size_t shares = pool_.size();
-    classifyRows(order_.rows * share / shares, order_.rows * (share + 1) / shares);
   });
 }
 
-void TerrainPipeline::classifyRows(std::size_t begin, std::size_t end) {
-  constexpr std::size_t kBlock = kSaliencyBlock;
-  const double step_m = config_.voxel_size_m / static_cast<double>(kStepsPerVoxel);
-  const auto& features = classifier_.features();
-  FeatureBlock block(static_cast<int>(features.size()));
-  std::array<CenteredMoments, kBlock> moments;
-  std::array<Saliency, kBlock> saliency;
-  std::array<Classification, kBlock> classified;
-  for (std::size_t first = begin; first < end; first += kBlock) {
-    const int count = static_cast<int>(std::min(kBlock, end - first));
-    for (int i = 0; i < count; ++i) {
-      moments[i] = sums_[first + i].about(centerOf(voxel_indices_[first + i]));
+template <typename Insert>
+LADAR_INLINE void TerrainPipeline::insertEach(const std::vector<float>& time_offsets_s,
+                                              const Insert& insert) {
+  const double steps_per_m = static_cast<double>(kStepsPerVoxel) / config_.voxel_size_m;
+  const double min_squared = config_.min_range_m * config_.min_range_m;
+  const double max_squared = config_.max_range_m * config_.max_range_m;
+  const bool one_pose = time_offsets_s.empty();
+  const auto drop = [&](PointDrop reason) LADAR_INLINE_LAMBDA {
+    ++report_.dropped[static_cast<int>(reason)];
+  };
+  for (std::size_t i = 0; i < positions_m_.size(); ++i) {
+    const Eigen::Vector3d& p_sensor = positions_m_[i];
+    const double range_squared = p_sensor.squaredNorm();
+    if (!(range_squared <= max_squared)) {
+      drop(p_sensor.allFinite() ? PointDrop::kTooFar : PointDrop::kNotFinite);
+      continue;
     }
-    saliencyOfBlock(moments.data(), count, step_m, saliency.data());
-    for (std::size_t f = 0; f < features.size(); ++f) {
-      featureValues(features[f], saliency.data(), count, block.row(static_cast<int>(f)));
+    if (range_squared < min_squared) {
+      drop(PointDrop::kTooNear);
+      continue;
     }
-    classifier_.classify(block, count, classified.data());
-    for (int i = 0; i < count; ++i) {
-      const bool supported =
-          saliency[i].defined &&
-          saliency[i].points >= static_cast<uint32_t>(config_.min_support_points);
-      voxels_[first + i] = {saliency[i], supported ? classified[i] : Classification()};
+    const Eigen::Isometry3d& T_map_sensor =
+        motion_table_.nearest(one_pose ? 0.0F : time_offsets_s[i]);
+    const Eigen::Vector3d p_map = T_map_sensor * p_sensor;
+    switch (insert(toFixedPoint(p_map, steps_per_m), &point_cells_[i])) {
+      case InsertResult::kInserted:
+        ++report_.points_inserted;
+        break;
+      case InsertResult::kOutside:
+        drop(PointDrop::kOutsideMap);
+        break;
+      case InsertResult::kSaturated:
+        drop(PointDrop::kSaturated);
+        break;
     }
   }
+}
+
+void TerrainPipeline::updateVoxels() {
+  affected_.assignAffected(map_, config_.support_radius_voxels);
+  map_.forgetChanges();
+  saliencies_.resize(map_.slotBound());
+  classifications_.resize(map_.slotBound());
+  const std::vector<int> rows = shareRows(map_, affected_, pool_.size());
+  std::vector<VoxelClassifier> classifiers(pool_.size(), VoxelClassifier(this));
+  pool_.run([&](int share) {
+    box_sums_[share].compute(map_, affected_, rows[share], rows[share + 1], classifiers[share]);
+    classifiers[share].flush();
+  });
+  double classify_ms = 0.0;
+  for (const VoxelClassifier& classifier : classifiers) {
+    report_.updated_voxels += classifier.voxelsDone();
+    classify_ms += classifier.milliseconds() / pool_.size();
+  }
+  report_.stage_ms[static_cast<int>(Stage::kClassify)] = classify_ms;
 }
 
 void TerrainPipeline::labelPoints() {
@@ -198,16 +280,25 @@ void TerrainPipeline::labelPoints() {
   for (std::size_t label = 0; label <= model_.classes.size(); ++label) {
     colors[label] = model_.labelColor(static_cast<uint8_t>(label));
   }
-  report_.label_counts.assign(model_.classes.size() + 1, 0);
+  std::array<std::size_t, kMaxClasses + 1> counts{};
   point_labels_.resize(point_cells_.size());
-  for (std::size_t i = 0; i < point_cells_.size(); ++i) {
-    Classification result;
-    if (point_cells_[i] != kNoCell) {
-      result = voxels_[order_.rowOf(map_, point_cells_[i])].classification;
+  dispatch([&]() LADAR_INLINE_LAMBDA {
+    for (std::size_t i = 0; i < point_cells_.size(); ++i) {
+      Classification result;
+      if (point_cells_[i] != kNoCell) result = classifications_[map_.slotOf(point_cells_[i])];
+      point_labels_[i] = {result.label, result.confidence, colors[result.label]};
+      ++counts[result.label];
     }
-    point_labels_[i] = {result.label, result.confidence, colors[result.label]};
-    ++report_.label_counts[result.label];
-  }
+  });
+  report_.label_counts.assign(counts.begin(), counts.begin() + model_.classes.size() + 1);
+}
+
+std::size_t TerrainPipeline::memoryBytes() const {
+  std::size_t bytes = map_.memoryBytes() + slices_.memoryBytes() +
+                      saliencies_.capacity() * sizeof(SaliencyF) +
+                      classifications_.capacity() * sizeof(Classification);
+  for (const auto& box_sums : box_sums_) bytes += box_sums.memoryBytes();
+  return bytes;
 }
 
 }  // namespace ladar_perception

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "ladar_perception/map/moments.h"
 #include "ladar_perception/map/record_arena.h"
 #include "test_random.h"
 
@@ -18,7 +19,7 @@ Moments mark(int64_t number) {
   return moments;
 }
 
-void expectRun(const RecordArena& arena, const RecordArena::Run& run,
+void expectRun(const RecordArena<Moments>& arena, const RecordRun& run,
                const std::vector<int64_t>& expected) {
   ASSERT_EQ(run.count, expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -27,8 +28,8 @@ void expectRun(const RecordArena& arena, const RecordArena::Run& run,
 }
 
 TEST(RecordArena, ANewRecordIsEmptyAndMovesLaterOnesUp) {
-  RecordArena arena;
-  RecordArena::Run run;
+  RecordArena<Moments> arena;
+  RecordRun run;
   arena.insert(&run, 0) = mark(10);
   arena.insert(&run, 1) = mark(30);
   EXPECT_EQ(arena.insert(&run, 1), Moments());
@@ -38,17 +39,17 @@ TEST(RecordArena, ANewRecordIsEmptyAndMovesLaterOnesUp) {
 }
 
 TEST(RecordArena, ReusedRoomStartsEmpty) {
-  RecordArena arena;
-  RecordArena::Run run;
+  RecordArena<Moments> arena;
+  RecordRun run;
   for (int i = 0; i < 8; ++i) arena.insert(&run, i) = mark(i);
   arena.keep(&run, 0, 0);
-  RecordArena::Run other;
+  RecordRun other;
   for (int i = 0; i < 8; ++i) EXPECT_EQ(arena.insert(&other, i), Moments());
 }
 
 TEST(RecordArena, KeepsTheRecordsAskedFor) {
-  RecordArena arena;
-  RecordArena::Run run;
+  RecordArena<Moments> arena;
+  RecordRun run;
   for (int i = 0; i < 10; ++i) arena.insert(&run, i) = mark(i);
   arena.keep(&run, 2, 6);
   expectRun(arena, run, {2, 3, 4, 5, 6, 7});
@@ -86,8 +87,8 @@ class ManyRuns {
 
  private:
   TestRandom random_;
-  RecordArena arena_;
-  std::vector<RecordArena::Run> runs_;
+  RecordArena<Moments> arena_;
+  std::vector<RecordRun> runs_;
   std::vector<std::vector<int64_t>> expected_;
   int64_t next_ = 0;
 };
@@ -109,9 +110,9 @@ TEST(RecordArena, MemoryStaysBoundedUnderUse) {
 }
 
 TEST(RecordArena, ClearForgetsButKeepsTheMemory) {
-  RecordArena arena;
+  RecordArena<Moments> arena;
   const auto fill = [&] {
-    std::vector<RecordArena::Run> runs(100);
+    std::vector<RecordRun> runs(100);
     for (auto& run : runs) {
       for (int i = 0; i < 20; ++i) arena.insert(&run, i) = mark(i);
     }

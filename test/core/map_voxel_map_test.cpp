@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "ladar_perception/map/voxel_map.h"
@@ -62,8 +65,9 @@ class Drive {
     if (result == InsertResult::kOutside) {
       ASSERT_EQ(cell, kNoCell);
     } else {
-      const Moments* record = map_.records(map_.columnOf(cell)) + map_.rankOf(cell);
-      ASSERT_EQ(record, map_.find(voxelOf(q)));
+      const std::size_t slot = map_.slotOf(cell);
+      ASSERT_LT(slot, map_.slotBound());
+      ASSERT_EQ(&map_.record(slot), map_.find(voxelOf(q)));
     }
   }
   void clear() {
@@ -76,6 +80,7 @@ class Drive {
     const std::vector<VoxelRecord> records = listRecords(map_);
     ASSERT_EQ(records, oracle_.list());
     ASSERT_EQ(map_.occupied(), records.size());
+    expectSameVisits(records);
     std::size_t in_columns = 0;
     for (int column = 0; column < map_.columnCount(); ++column) {
       in_columns += map_.recordCount(column);
@@ -84,6 +89,17 @@ class Drive {
                 map_.recordCount(column));
     }
     ASSERT_EQ(in_columns, records.size());
+  }
+  /// The same voxels in the same order, and slots that hold them.
+  void expectSameVisits(const std::vector<VoxelRecord>& records) const {
+    std::vector<VoxelRecord> visited;
+    map_.forEachVoxel([&](const VoxelIndex& voxel, std::size_t slot) {
+      visited.push_back({voxel, map_.record(slot)});
+      const int column = map_.columnAt(voxel.x - min_.x, voxel.y - min_.y);
+      EXPECT_GE(slot, map_.firstSlot(column));
+      EXPECT_LT(slot, map_.firstSlot(column) + map_.recordCount(column));
+    });
+    ASSERT_EQ(visited, records);
   }
   void expectSameLookUps() {
     const MapShape& shape = map_.shape();
@@ -318,12 +334,259 @@ TEST(VoxelMap, MemoryIsFlatOverALongDrive) {
       const int x = i < kLap / 2 ? i : kLap - i;
       map.scrollTo({x - 20, -20 + i % 3, -2 + i % 2});
       scanGround(&map, x);
+      map.forgetChanges();  // the list of changes grows until someone has read it
     }
     bytes_after_lap.push_back(map.memoryBytes());
   }
   EXPECT_EQ(bytes_after_lap.back(), bytes_after_lap[4]);
   // Records and their spare room, not the 2.4 MB of a dense map.
   EXPECT_LT(bytes_after_lap.back(), std::size_t{1500000});
+}
+
+/// What a column held: its voxels' heights, records and slots.
+struct HeldVoxel {
+  VoxelRecord record;
+  std::size_t slot;
+};
+using Column = std::pair<int32_t, int32_t>;  // world x, y
+using HeldColumns = std::map<Column, std::vector<HeldVoxel>>;
+
+HeldColumns holdColumns(const VoxelMap& map) {
+  HeldColumns columns;
+  map.forEachVoxel([&](const VoxelIndex& v, std::size_t slot) {
+    columns[{v.x, v.y}].push_back({{v, map.record(slot)}, slot});
+  });
+  return columns;
+}
+
+bool sameRecords(const std::vector<HeldVoxel>& a, const std::vector<HeldVoxel>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const HeldVoxel& l, const HeldVoxel& r) { return l.record == r.record; });
+}
+
+bool sameSlots(const std::vector<HeldVoxel>& a, const std::vector<HeldVoxel>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const HeldVoxel& l, const HeldVoxel& r) { return l.slot == r.slot; });
+}
+
+/// Columns that differ, and of the others those of which a slot does.
+struct Differences {
+  std::set<Column> columns;
+  std::set<Column> moved;
+};
+
+Differences compare(HeldColumns before, HeldColumns after) {
+  std::set<Column> all;
+  for (const auto& [column, voxels] : before) all.insert(column);
+  for (const auto& [column, voxels] : after) all.insert(column);
+  Differences differences;
+  for (const Column& column : all) {
+    if (!sameRecords(before[column], after[column])) {
+      differences.columns.insert(column);
+    } else if (!sameSlots(before[column], after[column])) {
+      differences.moved.insert(column);
+    }
+  }
+  return differences;
+}
+
+/// Steps of a map, with the columns its points went into.
+class ChangeDrive {
+ public:
+  explicit ChangeDrive(const MapShape& shape) : map_(shape, 3), part_(shape, 3) {
+    scrollBy(-2, 7, -1);
+  }
+
+  TestRandom& random() { return random_; }
+  const VoxelMap& map() const { return map_; }
+
+  /// Few voxels, so that some of them saturate; half of the points go into the part, too.
+  void insert(int64_t count) {
+    const VoxelIndex& min = map_.minCorner();
+    for (int64_t i = 0; i < count; ++i) {
+      const auto x = static_cast<int32_t>(min.x + random_.integer(-1, map_.shape().nx));
+      const auto y = static_cast<int32_t>(min.y + random_.integer(-1, map_.shape().ny));
+      const auto z = static_cast<int32_t>(min.z + random_.integer(0, map_.shape().nz - 1));
+      CellId cell = 0;
+      if (map_.insert(pointIn({x, y, z}), &cell) != InsertResult::kInserted) continue;
+      touched_.insert({x, y});
+      if (random_.integer(0, 1) == 0) part_.insert(pointIn({x, y, z}), &cell);
+    }
+  }
+  void subtractPart() {
+    map_.subtract(part_);
+    part_.clear();
+  }
+  void scrollBy(int64_t dx, int64_t dy, int64_t dz) {
+    const VoxelIndex& min = map_.minCorner();
+    const VoxelIndex to = {static_cast<int32_t>(min.x + dx), static_cast<int32_t>(min.y + dy),
+                           static_cast<int32_t>(min.z + dz)};
+    map_.scrollTo(to);
+    part_.scrollTo(to);
+  }
+  void forgetChanges() {
+    map_.forgetChanges();
+    touched_.clear();
+    before_ = holdColumns(map_);
+  }
+  /// Every column that differs is listed; others are not, but those with points that came and went.
+  void expectChangesListed() const {
+    std::set<Column> listed;
+    for (const ColumnIndex& column : map_.changedColumns()) listed.insert({column.x, column.y});
+    const Differences differences = compare(before_, holdColumns(map_));
+    for (const Column& column : differences.columns) {
+      ASSERT_EQ(listed.count(column), 1U) << "not listed: " << testing::PrintToString(column);
+    }
+    for (const Column& column : differences.moved) {
+      ASSERT_EQ(listed.count(column), 1U) << "moved: " << testing::PrintToString(column);
+    }
+    for (const Column& column : listed) {
+      ASSERT_EQ(differences.columns.count(column) + touched_.count(column) > 0, true)
+          << "listed for nothing: " << testing::PrintToString(column);
+    }
+  }
+
+ private:
+  TestRandom random_{17};
+  VoxelMap map_;
+  VoxelMap part_;
+  std::set<Column> touched_;
+  HeldColumns before_;
+};
+
+TEST(VoxelMapChanges, ListTheColumnsThatDiffer) {
+  for (const MapShape& shape : {MapShape{9, 7, 5}, MapShape{5, 6, 70}, MapShape{1, 1, 2}}) {
+    ChangeDrive drive(shape);
+    TestRandom& random = drive.random();
+    for (int round = 0; round < 200; ++round) {
+      drive.insert(random.integer(0, 60));
+      drive.forgetChanges();
+      ASSERT_TRUE(drive.map().changedColumns().empty());
+      for (int64_t step = random.integer(0, 4); step > 0; --step) {
+        const int64_t kind = random.integer(0, 3);
+        if (kind == 0) drive.insert(random.integer(0, 10));
+        if (kind == 1) drive.subtractPart();
+        // Less than the window's size: a jump forgets the changes with the rest.
+        if (kind >= 2) {
+          const int64_t dx = random.integer(-1, 1) * (shape.nx > 2 ? 1 : 0);
+          const int64_t dy = random.integer(-2, 2) * (shape.ny > 2 ? 1 : 0);
+          drive.scrollBy(dx, dy, random.integer(-1, 1));
+        }
+        ASSERT_NO_FATAL_FAILURE(drive.expectChangesListed()) << "round " << round;
+      }
+    }
+  }
+}
+
+TEST(VoxelMapChanges, OfAJumpAreThoseSinceIt) {
+  VoxelMap map({4, 4, 4}, kManyPoints);
+  CellId cell = 0;
+  map.insert(pointIn({1, 1, 1}), &cell);
+  map.scrollTo({100, 0, 0});
+  EXPECT_TRUE(map.changedColumns().empty());
+  map.insert(pointIn({101, 1, 1}), &cell);
+  ASSERT_EQ(map.changedColumns().size(), 1U);
+  EXPECT_EQ(map.changedColumns()[0].x, 101);
+  map.clear();
+  EXPECT_TRUE(map.changedColumns().empty());
+}
+
+TEST(VoxelMapChanges, RefusedPointsAreNone) {
+  VoxelMap map({4, 4, 4}, 1);
+  CellId cell = 0;
+  map.insert(pointIn({1, 1, 1}), &cell);
+  map.forgetChanges();
+  EXPECT_EQ(map.insert(pointIn({1, 1, 1}), &cell), InsertResult::kSaturated);
+  EXPECT_EQ(map.insert(pointIn({4, 1, 1}), &cell), InsertResult::kOutside);
+  EXPECT_TRUE(map.changedColumns().empty());
+}
+
+class VoxelMapSubtract : public testing::TestWithParam<MapShape> {
+ protected:
+  FixedPoint randomPoint(const VoxelIndex& min) {
+    const auto coordinate = [&](int32_t from, int n) {
+      return random_.integer(int64_t{from} * kStepsPerVoxel,
+                             (int64_t{from} + n) * kStepsPerVoxel - 1);
+    };
+    const int64_t x = coordinate(min.x, GetParam().nx);
+    const int64_t y = coordinate(min.y, GetParam().ny);
+    return {x, y, coordinate(min.z, GetParam().nz)};
+  }
+
+  TestRandom random_{21};
+};
+
+TEST_P(VoxelMapSubtract, LeavesAMapThatNeverSawThePoints) {
+  const VoxelIndex min = {-3, 1000000, -5};
+  for (const int count : {0, 1, 30, 2000}) {
+    VoxelMap map(GetParam(), kManyPoints * 100);
+    VoxelMap part = map;
+    VoxelMap rest = map;
+    for (VoxelMap* each : {&map, &part, &rest}) each->scrollTo(min);
+    CellId cell = 0;
+    for (int i = 0; i < count; ++i) {
+      const FixedPoint q = randomPoint(min);
+      map.insert(q, &cell);
+      (random_.integer(0, 2) == 0 ? rest : part).insert(q, &cell);
+    }
+    map.subtract(part);
+    ASSERT_EQ(listRecords(map), listRecords(rest)) << count;
+    ASSERT_EQ(map.occupied(), rest.occupied());
+    map.subtract(rest);
+    ASSERT_EQ(map.occupied(), 0U);
+    ASSERT_TRUE(listRecords(map).empty());
+  }
+}
+
+TEST_P(VoxelMapSubtract, WorksAfterScrollsAndBeforeNewPoints) {
+  VoxelMap map(GetParam(), kManyPoints * 100);
+  VoxelMap part = map;
+  VoxelMap rest = map;
+  CellId cell = 0;
+  VoxelIndex min = {0, 0, 0};
+  for (int step = 0; step < 30; ++step) {
+    for (int i = 0; i < 50; ++i) {
+      const FixedPoint q = randomPoint(min);
+      map.insert(q, &cell);
+      (random_.integer(0, 1) == 0 ? rest : part).insert(q, &cell);
+    }
+    min = {min.x + step % 3 - 1, min.y + 1, min.z + (step % 5 == 0 ? 1 : 0)};
+    for (VoxelMap* each : {&map, &part, &rest}) each->scrollTo(min);
+    if (step % 4 < 3) continue;
+    map.subtract(part);
+    part.clear();
+    ASSERT_EQ(listRecords(map), listRecords(rest)) << step;
+    ASSERT_EQ(map.occupied(), rest.occupied()) << step;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, VoxelMapSubtract,
+                         testing::Values(MapShape{7, 5, 3}, MapShape{4, 3, 64},
+                                         MapShape{4, 3, 65}, MapShape{2, 2, 130},
+                                         MapShape{1, 1, 1}),
+                         [](const auto& shape) { return test::shapeName(shape.param); });
+
+TEST(VoxelMap, DrawnPicturesBeforeAndAfterASubtraction) {
+  VoxelMap map({5, 3, 2}, kManyPoints);
+  VoxelMap part = map;
+  CellId cell = 0;
+  for (const VoxelIndex& v : {VoxelIndex{0, 0, 1}, VoxelIndex{1, 1, 1}, VoxelIndex{2, 1, 1},
+                              VoxelIndex{2, 1, 1}, VoxelIndex{4, 2, 1}}) {
+    map.insert(pointIn(v), &cell);
+  }
+  EXPECT_EQ(drawLayer(map, 1),
+            "....#\n"
+            ".##..\n"
+            "#....\n");
+  for (const VoxelIndex& v : {VoxelIndex{1, 1, 1}, VoxelIndex{2, 1, 1}, VoxelIndex{4, 2, 1}}) {
+    part.insert(pointIn(v), &cell);
+  }
+  map.subtract(part);
+  EXPECT_EQ(drawLayer(map, 1),
+            ".....\n"
+            "..#..\n"  // one of its two points is left
+            "#....\n");
+  EXPECT_EQ(map.find({2, 1, 1})->count(), 1U);
 }
 
 }  // namespace

@@ -1,175 +1,266 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "ladar_perception/saliency/box_sums.h"
+
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <map>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
-#include "ladar_perception/saliency/box_sums.h"
+#include "box_sum_scene.h"
+#include "ladar_perception/util/thread_pool.h"
 #include "map_oracle.h"
-#include "test_random.h"
 
 namespace ladar_perception {
 namespace {
 
-using test::MapOracle;
-using test::pointIn;
-using test::TestRandom;
-using test::VoxelRecord;
+using test::BoxSumScene;
+using test::boxSumByLookUp;
 
-/// A map with its oracle, and how it is filled.
-struct Scene {
-  Scene(const MapShape& shape, const VoxelIndex& min)
-      : map(shape, 1000000), oracle(shape, 1000000) {
-    scrollTo(min);
-  }
-  void scrollTo(const VoxelIndex& min) {
-    map.scrollTo(min);
-    oracle.scrollTo(min);
-  }
-  /// A point at a random place of the voxel with these local coordinates.
-  void insertLocal(int64_t x, int64_t y, int64_t z) {
-    const VoxelIndex& min = map.minCorner();
-    const auto place = [&] { return static_cast<int>(random.integer(0, kStepsPerVoxel - 1)); };
-    const int sx = place();
-    const int sy = place();
-    const FixedPoint q = pointIn({static_cast<int32_t>(min.x + x), static_cast<int32_t>(min.y + y),
-                                  static_cast<int32_t>(min.z + z)},
-                                 sx, sy, place());
-    CellId cell = 0;
-    map.insert(q, &cell);
-    oracle.insert(q);
-  }
-  void fill(const std::string& kind) {
-    const MapShape& s = map.shape();
-    const int64_t voxels = int64_t{s.nx} * s.ny * s.nz;
-    if (kind == "random" || kind == "dense") {
-      const int64_t count = kind == "dense" ? 4 * voxels : voxels / 12;
-      for (int64_t i = 0; i < count; ++i) {
-        const int64_t x = random.integer(0, s.nx - 1);
-        const int64_t y = random.integer(0, s.ny - 1);
-        insertLocal(x, y, random.integer(0, s.nz - 1));
-      }
-    } else if (kind == "planar") {
-      for (int x = 0; x < s.nx; ++x) {
-        for (int y = 0; y < s.ny; ++y) insertLocal(x, y, (x + 2 * y) % s.nz / 3);
-      }
-    } else if (kind == "linear") {
-      for (int z = 0; z < s.nz; ++z) insertLocal(s.nx / 3, s.ny - 1, z);
-      for (int x = 0; x < s.nx; ++x) insertLocal(x, x * s.ny / s.nx, s.nz - 1);
-    } else if (kind == "single") {
-      insertLocal(s.nx - 1, 0, s.nz / 2);
-    }
-  }
+/// A sum that is no Moments: how many voxels are occupied.
+struct OccupiedCount {
+  OccupiedCount& operator+=(const Moments& /*record*/) { return ++voxels, *this; }
+  OccupiedCount& operator-=(const Moments& /*record*/) { return --voxels, *this; }
+  OccupiedCount& operator+=(const OccupiedCount& other) { return voxels += other.voxels, *this; }
+  OccupiedCount& operator-=(const OccupiedCount& other) { return voxels -= other.voxels, *this; }
+  bool operator==(const OccupiedCount& other) const { return voxels == other.voxels; }
+  uint32_t count() const { return voxels; }
 
-  TestRandom random{7};
-  VoxelMap map;
-  MapOracle oracle;
+  uint32_t voxels = 0;
 };
 
-std::vector<Moments> slidingSums(const VoxelMap& map, int r, int threads) {
-  VoxelOrder order;
-  order.update(map);
-  ThreadPool pool(threads);
-  SlidingBoxSums box_sums(r);
-  std::vector<Moments> sums;
-  box_sums.compute(map, order, &pool, &sums);
-  return sums;
+/// Keeps the sums by voxel. All of them are written to the same place: each has to be there by the
+/// next call.
+template <typename Sum>
+class Collector {
+ public:
+  using Place = std::array<int, 3>;  // local y, x, z
+  using Sums = std::map<Place, Sum>;
+
+  explicit Collector(const VoxelMap& map) : map_(map) {}
+
+  Sum& place(std::size_t slot, int x, int y, int z) {
+    keepLast();
+    const VoxelIndex& min = map_.minCorner();
+    const VoxelIndex voxel = {min.x + x, min.y + y, min.z + z};
+    EXPECT_EQ(&map_.record(slot), map_.find(voxel)) << testing::PrintToString(voxel);
+    const Place at = {y, x, z};
+    EXPECT_LT(at_, at) << "row by row, along x and by ascending z";
+    at_ = at;
+    return sum_;
+  }
+  Sums take() {
+    keepLast();
+    at_ = kNone;
+    return std::move(sums_);
+  }
+
+ private:
+  static constexpr Place kNone = {-1, -1, -1};
+
+  void keepLast() {
+    if (at_ != kNone) sums_[at_] = sum_;
+  }
+
+  const VoxelMap& map_;
+  Place at_ = kNone;
+  Sum sum_;
+  Sums sums_;
+};
+
+template <typename Sum>
+typename Collector<Sum>::Sums expectedIn(const BoxSumScene& scene, const ColumnSet& columns,
+                                         const SupportBox& box) {
+  typename Collector<Sum>::Sums expected;
+  const VoxelIndex& min = scene.map.minCorner();
+  scene.map.forEachVoxel([&](const VoxelIndex& v, std::size_t /*slot*/) {
+    if (!columns.contains(v.x - min.x, v.y - min.y)) return;
+    expected[{v.y - min.y, v.x - min.x, v.z - min.z}] =
+        boxSumByLookUp<Sum>(scene.oracle, v, box);
+  });
+  return expected;
 }
 
-/// Compares with look-ups of k^3 voxels around every occupied voxel, in the map's order.
-void expectBruteForce(const Scene& scene, int r) {
-  const std::vector<Moments> sums = slidingSums(scene.map, r, 1);
-  const std::vector<VoxelRecord> records = scene.oracle.list();
-  ASSERT_EQ(sums.size(), records.size());
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    ASSERT_EQ(sums[i], scene.oracle.boxSum(records[i].voxel, r))
-        << "r " << r << ", row " << i << ", " << testing::PrintToString(records[i].voxel);
+ColumnSet allColumns(const VoxelMap& map) {
+  ColumnSet columns;
+  columns.assignAll(map.shape().nx, map.shape().ny);
+  return columns;
+}
+
+/// Some columns, occupied or not: one in `one_in`.
+ColumnSet someColumns(BoxSumScene* scene, int one_in) {
+  const MapShape& shape = scene->map.shape();
+  ColumnSet some;
+  some.resize(shape.nx, shape.ny);
+  for (int y = 0; y < shape.ny; ++y) {
+    for (int x = 0; x < shape.nx; ++x) {
+      if (scene->random.integer(1, one_in) == 1) some.add(x, y);
+    }
   }
+  return some;
+}
+
+template <typename Sum>
+void expectIn(const BoxSumScene& scene, const ColumnSet& columns,
+                   SlidingBoxSums<Sum>* box_sums) {
+  Collector<Sum> collector(scene.map);
+  box_sums->compute(scene.map, columns, 0, scene.map.shape().ny, collector);
+  ASSERT_EQ(collector.take() == expectedIn<Sum>(scene, columns, box_sums->box()), true)
+      << "box " << box_sums->box().radius_xy << " " << box_sums->box().radius_z << ", "
+      << columns.size() << " columns";
 }
 
 class BoxSums : public testing::TestWithParam<std::tuple<std::string, MapShape>> {};
 
-TEST_P(BoxSums, EqualTheBruteForceForEveryK) {
+TEST_P(BoxSums, EqualTheLookUpsForEveryK) {
   const auto& [kind, shape] = GetParam();
-  Scene scene(shape, {-3, 1000000, -2});
+  BoxSumScene scene(shape, {-3, 1000000, -2});
   scene.fill(kind);
-  for (int r = 0; r <= 6; ++r) ASSERT_NO_FATAL_FAILURE(expectBruteForce(scene, r));
+  for (int r = 0; r <= 6; ++r) {
+    SlidingBoxSums<Moments> box_sums(cube(r));
+    ASSERT_NO_FATAL_FAILURE(expectIn(scene, allColumns(scene.map), &box_sums));
+  }
 }
 
-TEST_P(BoxSums, EqualTheBruteForceAfterScrolls) {
+TEST_P(BoxSums, EqualTheLookUpsAfterScrolls) {
   const auto& [kind, shape] = GetParam();
-  Scene scene(shape, {0, 0, 0});
+  BoxSumScene scene(shape, {0, 0, 0});
+  SlidingBoxSums<Moments> near(cube(1));
+  SlidingBoxSums<Moments> far(cube(4));
   const VoxelIndex stops[] = {{2, -1, 0}, {3, 1, -1}, {-1, -2, 1}};
   for (const VoxelIndex& stop : stops) {
     scene.fill(kind);
     scene.scrollTo(stop);
-    for (const int r : {1, 4}) ASSERT_NO_FATAL_FAILURE(expectBruteForce(scene, r));
+    const ColumnSet columns = allColumns(scene.map);
+    ASSERT_NO_FATAL_FAILURE(expectIn(scene, columns, &near));
+    ASSERT_NO_FATAL_FAILURE(expectIn(scene, columns, &far));
   }
 }
 
-TEST_P(BoxSums, AnyNumberOfThreadsGivesTheSameBits) {
+TEST_P(BoxSums, OfPartOfTheColumnsEqualTheLookUpsThere) {
   const auto& [kind, shape] = GetParam();
-  Scene scene(shape, {5, -3, 0});
+  BoxSumScene scene(shape, {11, -5, -20});
   scene.fill(kind);
-  for (const int r : {1, 4, 6}) {
-    const std::vector<Moments> one = slidingSums(scene.map, r, 1);
-    for (const int threads : {2, 3, 7, 16}) {
-      ASSERT_EQ(slidingSums(scene.map, r, threads) == one, true) << threads << " threads";
+  for (const int r : {0, 1, 3}) {
+    SlidingBoxSums<Moments> box_sums(cube(r));
+    for (const int one_in : {2, 8, 40}) {
+      const ColumnSet some = someColumns(&scene, one_in);
+      ASSERT_NO_FATAL_FAILURE(expectIn(scene, some, &box_sums));
     }
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Maps, BoxSums,
-    testing::Combine(testing::Values("random", "planar", "linear", "dense", "empty", "single"),
-                     testing::Values(MapShape{12, 10, 9}, MapShape{7, 5, 3}, MapShape{6, 5, 64},
-                                     MapShape{5, 4, 130}, MapShape{1, 1, 1})),
-    [](const auto& maps) {
-      return std::get<0>(maps.param) + "_" + test::shapeName(std::get<1>(maps.param));
+TEST_P(BoxSums, BoxesNeedNotBeCubes) {
+  const auto& [kind, shape] = GetParam();
+  BoxSumScene scene(shape, {-40, 8, 3});
+  scene.fill(kind);
+  for (const SupportBox& box : {SupportBox{1, 3}, {3, 0}, {0, 2}, {2, 20}, {5, 1}, {2, 200}}) {
+    SlidingBoxSums<Moments> box_sums(box);
+    ASSERT_NO_FATAL_FAILURE(expectIn(scene, allColumns(scene.map), &box_sums));
+    const ColumnSet some = someColumns(&scene, 3);
+    ASSERT_NO_FATAL_FAILURE(expectIn(scene, some, &box_sums));
+  }
+}
+
+TEST_P(BoxSums, AnythingAdditiveCanBeSummed) {
+  const auto& [kind, shape] = GetParam();
+  BoxSumScene scene(shape, {1, 2, 3});
+  scene.fill(kind);
+  for (const SupportBox& box : {cube(1), cube(4), SupportBox{2, 5}}) {
+    SlidingBoxSums<OccupiedCount> box_sums(box);
+    ASSERT_NO_FATAL_FAILURE(expectIn(scene, allColumns(scene.map), &box_sums));
+    const ColumnSet some = someColumns(&scene, 3);
+    ASSERT_NO_FATAL_FAILURE(expectIn(scene, some, &box_sums));
+  }
+}
+
+TEST_P(BoxSums, RowsCanBeSharedInAnyWay) {
+  const auto& [kind, shape] = GetParam();
+  BoxSumScene scene(shape, {5, -3, 0});
+  scene.fill(kind);
+  const ColumnSet columns = allColumns(scene.map);
+  const auto expected = expectedIn<Moments>(scene, columns, cube(2));
+  for (const int shares : {1, 2, 3, 7, 16}) {
+    const std::vector<int> rows = shareRows(scene.map, columns, shares);
+    ASSERT_EQ(rows.size(), shares + std::size_t{1});
+    ThreadPool pool(shares);
+    std::vector<Collector<Moments>> collectors(shares, Collector<Moments>(scene.map));
+    pool.run([&](int share) {
+      SlidingBoxSums<Moments> box_sums(cube(2));
+      box_sums.compute(scene.map, columns, rows[share], rows[share + 1], collectors[share]);
     });
+    Collector<Moments>::Sums together;
+    for (auto& collector : collectors) together.merge(collector.take());
+    ASSERT_EQ(together == expected, true) << shares << " shares";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Maps, BoxSums,
+                         testing::Combine(testing::ValuesIn(test::boxSumSceneKinds()),
+                                          testing::ValuesIn(test::boxSumSceneShapes())),
+                         [](const auto& maps) {
+                           return std::get<0>(maps.param) + "_" +
+                                  test::shapeName(std::get<1>(maps.param));
+                         });
 
 TEST(BoxSumsReuse, BuffersOfEarlierMapsLeaveNoTrace) {
-  VoxelOrder order;
-  ThreadPool pool(2);
-  SlidingBoxSums box_sums(2);
-  std::vector<Moments> sums;
-  Scene scene({9, 9, 70}, {0, 0, 0});
+  SlidingBoxSums<Moments> box_sums(cube(2));
+  BoxSumScene scene({9, 9, 70}, {0, 0, 0});
   for (int step = 0; step < 12; ++step) {
-    scene.fill(step % 3 == 0 ? "dense" : "random");
+    scene.fill(step % 4 == 0 ? "planar" : "random");
     scene.scrollTo({step, -2 * step, step % 2});
-    order.update(scene.map);
-    box_sums.compute(scene.map, order, &pool, &sums);
-    ASSERT_EQ(sums == slidingSums(scene.map, 2, 1), true) << step;
+    const ColumnSet columns =
+        step % 3 == 0 ? someColumns(&scene, 4) : allColumns(scene.map);
+    ASSERT_NO_FATAL_FAILURE(expectIn(scene, columns, &box_sums)) << "step " << step;
     scene.scrollTo({step + 7, -2 * step, 0});
   }
   scene.scrollTo({1000, 0, 0});
-  order.update(scene.map);
-  box_sums.compute(scene.map, order, &pool, &sums);
-  EXPECT_TRUE(sums.empty());
+  ASSERT_NO_FATAL_FAILURE(expectIn(scene, allColumns(scene.map), &box_sums));
   EXPECT_GT(box_sums.memoryBytes(), 0U);
 }
 
-TEST(VoxelOrder, ListsVoxelsAndFindsTheirRows) {
-  Scene scene({6, 5, 70}, {-4, 9, -30});
-  scene.fill("random");
-  scene.scrollTo({-2, 8, -29});
-  VoxelOrder order;
-  order.update(scene.map);
-  std::vector<VoxelIndex> voxels;
-  order.listVoxels(scene.map, &voxels);
-  const std::vector<VoxelRecord> records = scene.oracle.list();
-  ASSERT_EQ(order.rows, records.size());
-  ASSERT_EQ(voxels.size(), records.size());
-  for (std::size_t row = 0; row < records.size(); ++row) {
-    EXPECT_EQ(voxels[row], records[row].voxel);
-    const FixedPoint q = pointIn(voxels[row]);
-    CellId cell = 0;
-    scene.map.insert(q, &cell);
-    EXPECT_EQ(order.rowOf(scene.map, cell), row);
-    const int y = voxels[row].y - scene.map.minCorner().y;
-    EXPECT_GE(row, order.row_begin[y]);
-    EXPECT_LT(row, order.row_begin[y + 1]);
+TEST(BoxSumsReuse, MapsOfOtherShapesLeaveNoTrace) {
+  SlidingBoxSums<Moments> box_sums(cube(2));
+  for (const MapShape& shape : {MapShape{9, 9, 70}, {9, 4, 70}, {9, 14, 70}, {9, 14, 5},
+                                {80, 14, 5}, {3, 4, 130}, {9, 9, 70}}) {
+    BoxSumScene scene(shape, {3, -4, 5});
+    scene.fill("random");
+    ASSERT_NO_FATAL_FAILURE(expectIn(scene, allColumns(scene.map), &box_sums))
+        << test::shapeName(shape);
+  }
+}
+
+TEST(ShareRows, SplitsTheVoxelsOfTheColumnsIntoEqualParts) {
+  BoxSumScene scene({20, 60, 10}, {0, 0, 0});
+  scene.insertSomewhere(500);
+  for (int i = 0; i < 3000; ++i) {  // most of them in a few rows
+    const int64_t x = scene.random.integer(0, 19);
+    const int64_t y = scene.random.integer(40, 49);
+    scene.insertLocal(x, y, scene.random.integer(0, 9));
+  }
+  const ColumnSet some = someColumns(&scene, 2);
+  std::vector<int> voxels_in_row(60, 0);
+  for (const auto& [place, sum] : expectedIn<OccupiedCount>(scene, some, cube(0))) {
+    voxels_in_row[place[0]] += static_cast<int>(sum.count());
+  }
+  int total = 0;
+  for (const int voxels : voxels_in_row) total += voxels;
+  const int largest = *std::max_element(voxels_in_row.begin(), voxels_in_row.end());
+  for (const int shares : {1, 2, 3, 5, 100}) {
+    const std::vector<int> rows = shareRows(scene.map, some, shares);
+    ASSERT_EQ(rows.size(), shares + std::size_t{1});
+    EXPECT_EQ(rows.front(), 0);
+    EXPECT_EQ(rows.back(), 60);
+    for (int share = 0; share < shares; ++share) {
+      ASSERT_LE(rows[share], rows[share + 1]);
+      int voxels = 0;
+      for (int y = rows[share]; y < rows[share + 1]; ++y) voxels += voxels_in_row[y];
+      EXPECT_LE(voxels, total / shares + largest + 1) << share << " of " << shares;
+    }
   }
 }
 

@@ -9,19 +9,19 @@
 namespace ladar_perception {
 namespace {
 
-using Eigen::Vector3d;
+using Eigen::Vector3f;
 
 constexpr double kPi = 3.14159265358979323846;
 
-Saliency someSaliency() {
-  Saliency s;
+SaliencyF someSaliency() {
+  SaliencyF s;
   s.points = 10;
   s.defined = true;
-  s.scatter = 0.001;
-  s.surface = 0.008;
-  s.linear = 0.064;
-  s.normal = Vector3d(0.0, std::sqrt(0.5), std::sqrt(0.5));
-  s.tangent = Vector3d(1.0, 0.0, 0.0);
+  s.scatter = 0.001F;
+  s.surface = 0.008F;
+  s.linear = 0.064F;
+  s.normal = Vector3f(0.0F, std::sqrt(0.5F), std::sqrt(0.5F));
+  s.tangent = Vector3f::UnitX();
   return s;
 }
 
@@ -41,7 +41,7 @@ TEST(Features, NamesRoundTripAndAreUnique) {
 }
 
 TEST(Features, ValuesOfAKnownShape) {
-  const Saliency s = someSaliency();
+  const SaliencyF s = someSaliency();
   EXPECT_FLOAT_EQ(featureValue(Feature::kScatter, s), 0.001F);
   EXPECT_FLOAT_EQ(featureValue(Feature::kSurface, s), 0.008F);
   EXPECT_FLOAT_EQ(featureValue(Feature::kLinear, s), 0.064F);
@@ -53,23 +53,23 @@ TEST(Features, ValuesOfAKnownShape) {
 }
 
 TEST(Features, AnglesDoNotDependOnTheSignOfADirection) {
-  Saliency s = someSaliency();
+  SaliencyF s = someSaliency();
   const float angle = featureValue(Feature::kNormalAngle, s);
   s.normal = -s.normal;
   EXPECT_EQ(featureValue(Feature::kNormalAngle, s), angle);
 }
 
 TEST(Features, AVerticalUnitVectorLongerByRoundingHasAngleZero) {
-  Saliency s = someSaliency();
-  s.normal = Vector3d(0, 0, 1.0 + 4e-16);
-  s.tangent = Vector3d(0, 0, -1.0 - 4e-16);
+  SaliencyF s = someSaliency();
+  s.normal = Vector3f(0.0F, 0.0F, 1.0F + 2e-7F);
+  s.tangent = Vector3f(0.0F, 0.0F, -1.0F - 2e-7F);
   EXPECT_EQ(featureValue(Feature::kNormalAngle, s), 0.0F);
   EXPECT_EQ(featureValue(Feature::kTangentAngle, s), 0.0F);
 }
 
 TEST(Features, AllAreFiniteWhereTwoSalienciesAreZero) {
-  Saliency s = someSaliency();
-  s.scatter = s.surface = 0.0;
+  SaliencyF s = someSaliency();
+  s.scatter = s.surface = 0.0F;
   for (const FeatureInfo& info : allFeatures()) {
     EXPECT_TRUE(std::isfinite(featureValue(info.feature, s))) << info.name;
   }

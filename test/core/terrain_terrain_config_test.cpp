@@ -35,7 +35,7 @@ TEST(TerrainConfig, EveryFieldIsAParameterOfItsOwn) {
         std::visit([](auto* p) { return static_cast<const void*>(p); }, spec.target);
     EXPECT_TRUE(targets.insert(target).second) << spec.name;
   }
-  EXPECT_EQ(names.size(), 10U);
+  EXPECT_EQ(names.size(), 12U);
 }
 
 TEST(TerrainConfig, ValuesReachTheirFields) {
@@ -52,6 +52,8 @@ TEST(TerrainConfig, ValuesReachTheirFields) {
                           {"min_support_points", 7},
                           {"min_range_m", 1.0},
                           {"max_range_m", 50.0},
+                          {"forget_after_s", 12.5},
+                          {"forget_after_scans", 40},
                           {"threads", 2}})
                   .empty());
   EXPECT_EQ(config.voxel_size_m, 0.2);
@@ -63,7 +65,10 @@ TEST(TerrainConfig, ValuesReachTheirFields) {
   EXPECT_EQ(config.min_support_points, 7);
   EXPECT_EQ(config.min_range_m, 1.0);
   EXPECT_EQ(config.max_range_m, 50.0);
+  EXPECT_EQ(config.forget_after_s, 12.5);
+  EXPECT_EQ(config.forget_after_scans, 40);
   EXPECT_EQ(config.threads, 2);
+  EXPECT_EQ(config.validate().size(), 1U) << "only one way of forgetting at a time";
   const MapShape shape = config.mapShape();
   EXPECT_EQ(shape.nx, 150);
   EXPECT_EQ(shape.ny, 200);

@@ -37,8 +37,7 @@ void expectConsistent(const TerrainPipeline& pipeline, std::size_t points) {
             std::accumulate(report.dropped.begin(), report.dropped.end(), report.points_inserted));
   ASSERT_EQ(pipeline.pointLabels().size(), points);
   ASSERT_EQ(pipeline.pointCells().size(), points);
-  EXPECT_EQ(pipeline.voxels().size(), pipeline.map().occupied());
-  EXPECT_EQ(pipeline.voxelOrder().rows, pipeline.map().occupied());
+  EXPECT_LE(report.updated_voxels, report.occupied_voxels);
   EXPECT_EQ(report.occupied_voxels, pipeline.map().occupied());
   EXPECT_GE(report.memory_bytes, pipeline.map().memoryBytes());
   std::vector<std::size_t> counts(pipeline.model().classes.size() + 1, 0);
@@ -47,8 +46,7 @@ void expectConsistent(const TerrainPipeline& pipeline, std::size_t points) {
     Classification expected;
     const CellId cell = pipeline.pointCells()[i];
     if (cell != kNoCell) {
-      expected =
-          pipeline.voxels()[pipeline.voxelOrder().rowOf(pipeline.map(), cell)].classification;
+      expected = pipeline.classification(pipeline.map().slotOf(cell));
     }
     ASSERT_EQ(label.label, expected.label);
     ASSERT_EQ(label.confidence, expected.confidence);
@@ -58,26 +56,38 @@ void expectConsistent(const TerrainPipeline& pipeline, std::size_t points) {
   EXPECT_EQ(report.label_counts, counts);
 }
 
+void expectSame(const SaliencyF& a, const SaliencyF& b) {
+  ASSERT_EQ(a.points, b.points);
+  ASSERT_EQ(a.defined, b.defined);
+  ASSERT_EQ(a.scatter, b.scatter);
+  ASSERT_EQ(a.surface, b.surface);
+  ASSERT_EQ(a.linear, b.linear);
+  ASSERT_EQ(a.normal, b.normal);
+  ASSERT_EQ(a.tangent, b.tangent);
+}
+
+/// Slots of the occupied voxels, in the map's order.
+std::vector<std::pair<VoxelIndex, std::size_t>> listVoxels(const VoxelMap& map) {
+  std::vector<std::pair<VoxelIndex, std::size_t>> voxels;
+  map.forEachVoxel([&](const VoxelIndex& voxel, std::size_t slot) {
+    voxels.emplace_back(voxel, slot);
+  });
+  return voxels;
+}
+
 /// Everything two pipelines say of the map is the same, bit by bit.
 void expectSameVoxels(const TerrainPipeline& a, const TerrainPipeline& b) {
-  std::vector<VoxelIndex> voxels_a;
-  std::vector<VoxelIndex> voxels_b;
-  a.voxelOrder().listVoxels(a.map(), &voxels_a);
-  b.voxelOrder().listVoxels(b.map(), &voxels_b);
-  ASSERT_EQ(voxels_a, voxels_b);
+  const auto voxels_a = listVoxels(a.map());
+  const auto voxels_b = listVoxels(b.map());
+  ASSERT_EQ(voxels_a.size(), voxels_b.size());
   for (std::size_t i = 0; i < voxels_a.size(); ++i) {
-    ASSERT_EQ(*a.map().find(voxels_a[i]), *b.map().find(voxels_a[i]));
-    const VoxelResult& va = a.voxels()[i];
-    const VoxelResult& vb = b.voxels()[i];
-    ASSERT_EQ(va.classification.label, vb.classification.label) << i;
-    ASSERT_EQ(va.classification.confidence, vb.classification.confidence) << i;
-    ASSERT_EQ(va.saliency.points, vb.saliency.points) << i;
-    ASSERT_EQ(va.saliency.defined, vb.saliency.defined) << i;
-    ASSERT_EQ(va.saliency.scatter, vb.saliency.scatter) << i;
-    ASSERT_EQ(va.saliency.surface, vb.saliency.surface) << i;
-    ASSERT_EQ(va.saliency.linear, vb.saliency.linear) << i;
-    ASSERT_EQ(va.saliency.normal, vb.saliency.normal) << i;
-    ASSERT_EQ(va.saliency.tangent, vb.saliency.tangent) << i;
+    ASSERT_EQ(voxels_a[i].first, voxels_b[i].first);
+    const std::size_t slot_a = voxels_a[i].second;
+    const std::size_t slot_b = voxels_b[i].second;
+    ASSERT_EQ(a.map().record(slot_a), b.map().record(slot_b));
+    ASSERT_EQ(a.classification(slot_a).label, b.classification(slot_b).label) << i;
+    ASSERT_EQ(a.classification(slot_a).confidence, b.classification(slot_b).confidence) << i;
+    ASSERT_NO_FATAL_FAILURE(expectSame(a.saliency(slot_a), b.saliency(slot_b))) << i;
   }
 }
 
@@ -122,14 +132,13 @@ TEST(TerrainPipeline, GroundWireAndLeavesGetTheirLabels) {
 TEST(TerrainPipeline, NormalsAndTangentsPointTheRightWay) {
   TerrainPipeline pipeline({}, handModel());
   processAt(&pipeline, MixedScene().points, Vector3d::Zero());
-  const auto& order = pipeline.voxelOrder();
   const auto& cells = pipeline.pointCells();
   for (std::size_t i = 0; i < 21000; i += 50) {
-    const VoxelResult& voxel = pipeline.voxels()[order.rowOf(pipeline.map(), cells[i])];
+    const SaliencyF& saliency = pipeline.saliency(pipeline.map().slotOf(cells[i]));
     if (i < 20000) {
-      EXPECT_GT(voxel.saliency.normal.z(), 0.99) << i;
+      EXPECT_GT(saliency.normal.z(), 0.99) << i;
     } else {
-      EXPECT_GT(std::abs(voxel.saliency.tangent.y()), 0.99) << i;
+      EXPECT_GT(std::abs(saliency.tangent.y()), 0.99) << i;
     }
   }
 }
@@ -200,18 +209,14 @@ TEST(TerrainPipeline, AMillionMetresAwayNothingChanges) {
   processAt(&far, scene.points, away);
   EXPECT_EQ(near.report().dropped, far.report().dropped);
   expectSameLabels(near, far);
-  ASSERT_EQ(near.voxels().size(), far.voxels().size());
+  ASSERT_EQ(near.map().occupied(), far.map().occupied());
   for (std::size_t i = 0; i < scene.points.size(); ++i) {
     const CellId a = near.pointCells()[i];
     const CellId b = far.pointCells()[i];
     ASSERT_EQ(a == kNoCell, b == kNoCell);
     if (a == kNoCell) continue;
-    const Saliency& sa = near.voxels()[near.voxelOrder().rowOf(near.map(), a)].saliency;
-    const Saliency& sb = far.voxels()[far.voxelOrder().rowOf(far.map(), b)].saliency;
-    ASSERT_EQ(sa.scatter, sb.scatter);
-    ASSERT_EQ(sa.surface, sb.surface);
-    ASSERT_EQ(sa.linear, sb.linear);
-    ASSERT_EQ(sa.normal, sb.normal);
+    ASSERT_NO_FATAL_FAILURE(expectSame(near.saliency(near.map().slotOf(a)),
+                                       far.saliency(far.map().slotOf(b))));
   }
 }
 
@@ -326,9 +331,7 @@ TEST(TerrainPipeline, ResetForgetsEverything) {
   processAt(&pipeline, MixedScene(1).points, Vector3d(3, 4, 0));
   pipeline.reset();
   EXPECT_EQ(pipeline.map().occupied(), 0U);
-  EXPECT_TRUE(pipeline.voxels().empty());
   EXPECT_TRUE(pipeline.pointLabels().empty());
-  EXPECT_EQ(pipeline.voxelOrder().rows, 0U);
   EXPECT_EQ(pipeline.report().points_in, 0U);
   TerrainPipeline fresh({}, handModel());
   processAt(&pipeline, MixedScene(2).points, Vector3d::Zero());
@@ -402,16 +405,14 @@ class MovingWall {
 };
 
 double greatestDistanceFromWall(const TerrainPipeline& pipeline) {
-  std::vector<VoxelIndex> voxels;
-  pipeline.voxelOrder().listVoxels(pipeline.map(), &voxels);
   double greatest = 0.0;
-  for (const VoxelIndex& voxel : voxels) {
+  pipeline.map().forEachVoxel([&](const VoxelIndex& voxel, std::size_t slot) {
     const FixedPoint center = centerOf(voxel);
-    const CenteredMoments m = pipeline.map().find(voxel)->about(center);
+    const CenteredMoments m = pipeline.map().record(slot).about(center);
     const double mean =
         static_cast<double>(center.x) + static_cast<double>(m.x) / static_cast<double>(m.n) + 0.5;
     greatest = std::max(greatest, std::abs(mean / 2560.0 - MovingWall::kWall_m));
-  }
+  });
   return greatest;
 }
 

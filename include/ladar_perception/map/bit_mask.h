@@ -4,12 +4,14 @@
 
 #include <cstdint>
 
+#include "ladar_perception/util/dispatch.h"
+
 namespace ladar_perception::bit_mask {
 
-inline bool test(const uint64_t* mask, int z) { return (mask[z / 64] >> (z % 64) & 1) != 0; }
+LADAR_INLINE bool test(const uint64_t* mask, int z) { return (mask[z / 64] >> (z % 64) & 1) != 0; }
 
 /// Set bits at positions below `z`; z may be the number of bits.
-inline int countBelow(const uint64_t* mask, int z) {
+LADAR_INLINE int countBelow(const uint64_t* mask, int z) {
   int count = 0;
   for (int word = 0; word < z / 64; ++word) count += __builtin_popcountll(mask[word]);
   if (z % 64 != 0) {
@@ -45,7 +47,7 @@ inline void clearFrom(uint64_t* mask, int words, int z) {
 
 /// Calls `visit(z)` for every set bit, in ascending order.
 template <typename Visitor>
-void forEachSet(const uint64_t* mask, int words, Visitor&& visit) {
+LADAR_INLINE void forEachSet(const uint64_t* mask, int words, Visitor&& visit) {
   for (int word = 0; word < words; ++word) {
     for (uint64_t bits = mask[word]; bits != 0; bits &= bits - 1) {
       visit(word * 64 + __builtin_ctzll(bits));

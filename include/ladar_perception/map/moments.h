@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "ladar_perception/map/fixed_point.h"
+#include "ladar_perception/util/dispatch.h"
 
 namespace ladar_perception {
 
@@ -22,7 +23,7 @@ struct CenteredMoments {
 /// that the re-centred sums fit: |sum of (x - centre)| < 2^31 (see `maxPointsPerVoxel`).
 class alignas(64) Moments {
  public:
-  void add(const FixedPoint& q) {
+  LADAR_INLINE void add(const FixedPoint& q) {
     const auto x = static_cast<uint64_t>(q.x);
     const auto y = static_cast<uint64_t>(q.y);
     const auto z = static_cast<uint64_t>(q.z);
@@ -36,12 +37,12 @@ class alignas(64) Moments {
     word_[7] += z * z;
   }
 
-  Moments& operator+=(const Moments& other) {
-    for (int i = 0; i < 8; ++i) word_[i] += other.word_[i];
+  LADAR_INLINE Moments& operator+=(const Moments& other) {
+    words() += other.words();
     return *this;
   }
-  Moments& operator-=(const Moments& other) {
-    for (int i = 0; i < 8; ++i) word_[i] -= other.word_[i];
+  LADAR_INLINE Moments& operator-=(const Moments& other) {
+    words() -= other.words();
     return *this;
   }
   bool operator==(const Moments& other) const {
@@ -52,10 +53,10 @@ class alignas(64) Moments {
   }
   bool operator!=(const Moments& other) const { return !(*this == other); }
 
-  uint32_t count() const { return static_cast<uint32_t>(word_[0]); }
+  LADAR_INLINE uint32_t count() const { return static_cast<uint32_t>(word_[0]); }
 
   /// Moments about `center`, which must lie within the points' neighbourhood (see the class).
-  CenteredMoments about(const FixedPoint& center) const {
+  LADAR_INLINE CenteredMoments about(const FixedPoint& center) const {
     const auto cx = static_cast<uint64_t>(center.x);
     const auto cy = static_cast<uint64_t>(center.y);
     const auto cz = static_cast<uint64_t>(center.z);
@@ -69,24 +70,34 @@ class alignas(64) Moments {
     const auto sx = static_cast<uint64_t>(m.x);
     const auto sy = static_cast<uint64_t>(m.y);
     const auto sz = static_cast<uint64_t>(m.z);
-    // sum (x-cx)(y-cy) = Sxy - cy sum(x-cx) - cx sum(y-cy) - n cx cy
-    m.xx = static_cast<int64_t>(word_[2] - 2 * cx * sx - n * cx * cx);
-    m.xy = static_cast<int64_t>(word_[3] - cy * sx - cx * sy - n * cx * cy);
-    m.xz = static_cast<int64_t>(word_[4] - cz * sx - cx * sz - n * cx * cz);
-    m.yy = static_cast<int64_t>(word_[5] - 2 * cy * sy - n * cy * cy);
-    m.yz = static_cast<int64_t>(word_[6] - cz * sy - cy * sz - n * cy * cz);
-    m.zz = static_cast<int64_t>(word_[7] - 2 * cz * sz - n * cz * cz);
+    // sum (x-cx)(y-cy) = Sxy - cy sum(x-cx) - cx (sum(y-cy) + n cy)
+    const uint64_t full_x = sx + n * cx;
+    const uint64_t full_y = sy + n * cy;
+    const uint64_t full_z = sz + n * cz;
+    m.xx = static_cast<int64_t>(word_[2] - cx * (sx + full_x));
+    m.xy = static_cast<int64_t>(word_[3] - cy * sx - cx * full_y);
+    m.xz = static_cast<int64_t>(word_[4] - cz * sx - cx * full_z);
+    m.yy = static_cast<int64_t>(word_[5] - cy * (sy + full_y));
+    m.yz = static_cast<int64_t>(word_[6] - cz * sy - cy * full_z);
+    m.zz = static_cast<int64_t>(word_[7] - cz * (sz + full_z));
     return m;
   }
 
  private:
+  // All eight words as one vector of whatever instructions there are: left to itself, the compiler
+  // takes a sum that lives in registers apart into eight numbers.
+  using Words [[gnu::vector_size(64), gnu::may_alias]] = uint64_t;
+
+  LADAR_INLINE Words& words() { return *reinterpret_cast<Words*>(word_); }
+  LADAR_INLINE const Words& words() const { return *reinterpret_cast<const Words*>(word_); }
+
   // n + (Sx << 32), Sy + (Sz << 32), Sxx, Sxy, Sxz, Syy, Syz, Szz
   uint64_t word_[8] = {};
 };
 static_assert(sizeof(Moments) == 64, "one record is one cache line");
 
 /// Centre of a voxel, the reference its moments are read about.
-inline FixedPoint centerOf(const VoxelIndex& voxel) {
+LADAR_INLINE FixedPoint centerOf(const VoxelIndex& voxel) {
   constexpr int64_t kHalf = kStepsPerVoxel / 2;
   return {voxel.x * kStepsPerVoxel + kHalf, voxel.y * kStepsPerVoxel + kHalf,
           voxel.z * kStepsPerVoxel + kHalf};

@@ -35,9 +35,10 @@ const std::vector<FeatureInfo>& allFeatures();
 /// The feature of that name, or nothing.
 std::optional<Feature> featureFromName(const std::string& name);
 const char* featureName(Feature feature);
-/// Value of a feature, 0 for undefined saliency. Roots and angles are good to 3e-7.
-float featureValue(Feature feature, const Saliency& saliency);
-/// The same, bit by bit, for `count` <= kSaliencyBlock volumes.
-void featureValues(Feature feature, const Saliency* saliency, int count, float* values);
+/// Value of a feature; what it is for undefined saliency is not to be used. Roots and angles are
+/// good to 3e-7.
+float featureValue(Feature feature, const SaliencyF& saliency);
+/// The same, bit by bit, for a block: SaliencyBlock::kSize values.
+void featureValues(Feature feature, const SaliencyBlock& block, float* values);
 
 }  // namespace ladar_perception

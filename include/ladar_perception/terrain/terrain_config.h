@@ -20,6 +20,8 @@ struct TerrainConfig {
   int min_support_points = 5;
   double min_range_m = 0.5;
   double max_range_m = 100.0;
+  double forget_after_s = 0.0;
+  int forget_after_scans = 0;
   int threads = 1;
 
   /// Names, ranges, units and meanings of the fields above.

@@ -9,6 +9,8 @@
 #include "ladar_perception/classify/classifier.h"
 #include "ladar_perception/cloud/labeled_cloud.h"
 #include "ladar_perception/cloud/point_reader.h"
+#include "ladar_perception/map/column_set.h"
+#include "ladar_perception/map/evidence_slices.h"
 #include "ladar_perception/map/voxel_map.h"
 #include "ladar_perception/saliency/box_sums.h"
 #include "ladar_perception/saliency/saliency.h"
@@ -42,13 +44,8 @@ struct ScanReport {
   std::array<double, kStages> stage_ms{};
   std::vector<std::size_t> label_counts;  ///< of points, by label: unknown, then the classes
   std::size_t occupied_voxels = 0;
-  std::size_t memory_bytes = 0;  ///< map, sums and per-voxel results
-};
-
-/// What is known of one occupied voxel.
-struct VoxelResult {
-  Saliency saliency;
-  Classification classification;
+  std::size_t updated_voxels = 0;  ///< of them, computed anew: the scan could have changed them
+  std::size_t memory_bytes = 0;    ///< map, sums and per-voxel results
 };
 
 /// Labels ladar scans by a scrolling voxel map (Lalonde, Vandapel, Hebert 2005).
@@ -58,13 +55,15 @@ class TerrainPipeline {
   TerrainPipeline(const TerrainConfig& config, const ClassifierModel& model);
 
   /// Takes one scan: centres the map on `p_map_vehicle`, inserts the points at the places the
-  /// sensor's motion puts them (`time_offsets_s` per point; empty: all at the stamp), sums the
-  /// moments over every occupied voxel's support volume, classifies the voxels, labels the points.
+  /// sensor's motion puts them (`time_offsets_s` per point; empty: all at the stamp), forgets what
+  /// is too old, sums the moments over the support volumes, classifies the voxels, labels the
+  /// points. Only voxels whose support volume has changed are computed anew; what is known of all
+  /// of them is the same, bit by bit, as if all were. `stamp_s` is looked at only for forgetting.
   /// Every coordinate of the motion and of `p_map_vehicle` must be finite and within
   /// kMaxCoordinate_m / 2. `fields` must come from findPointFields for this very cloud.
   const ScanReport& process(const CloudView& cloud, const PointFields& fields,
                             const std::vector<float>& time_offsets_s, const SensorMotion& motion,
-                            const Eigen::Vector3d& p_map_vehicle);
+                            const Eigen::Vector3d& p_map_vehicle, double stamp_s = 0.0);
   /// Forgets all points.
   void reset();
 
@@ -74,34 +73,40 @@ class TerrainPipeline {
   const ScanReport& report() const { return report_; }
   /// Of the last scan's points, in message order.
   const std::vector<PointLabel>& pointLabels() const { return point_labels_; }
-  /// Voxel of each of the last scan's points (kNoCell if it is in none), and its row below.
+  /// Voxel of each of the last scan's points, kNoCell if it is in none.
   const std::vector<CellId>& pointCells() const { return point_cells_; }
-  /// Order of the voxels in `voxels()`.
-  const VoxelOrder& voxelOrder() const { return order_; }
-  const std::vector<VoxelResult>& voxels() const { return voxels_; }
+  /// What is known of the occupied voxel whose record lies at this slot of the map.
+  const SaliencyF& saliency(std::size_t slot) const { return saliencies_[slot]; }
+  const Classification& classification(std::size_t slot) const { return classifications_[slot]; }
 
  private:
+  class VoxelClassifier;
+
   void insertPoints(const std::vector<float>& time_offsets_s, const SensorMotion& motion);
+  template <typename Insert>
+  void insertEach(const std::vector<float>& time_offsets_s, const Insert& insert);
   void scrollTo(const Eigen::Vector3d& p_map_vehicle);
-  void classifyVoxels();
-  void classifyRows(std::size_t begin, std::size_t end);
+  void forgetOldPoints(double stamp_s);
+  void updateVoxels();
   void labelPoints();
+  std::size_t memoryBytes() const;
 
   TerrainConfig config_;
   ClassifierModel model_;
   Classifier classifier_;
   ThreadPool pool_;
   VoxelMap map_;
-  SlidingBoxSums box_sums_;
+  EvidenceSlices slices_;
+  uint64_t scans_ = 0;  // since the last reset
+  std::vector<SlidingBoxSums<Moments>> box_sums_;  // one per thread
   MotionTable motion_table_;
-  VoxelOrder order_;
   ScanReport report_;
   std::vector<Eigen::Vector3d> positions_m_;  // in the sensor frame
   std::vector<CellId> point_cells_;
   std::vector<PointLabel> point_labels_;
-  std::vector<VoxelIndex> voxel_indices_;
-  std::vector<Moments> sums_;
-  std::vector<VoxelResult> voxels_;
+  ColumnSet affected_;
+  std::vector<SaliencyF> saliencies_;            // by slot of the map
+  std::vector<Classification> classifications_;  // by slot of the map
 };
 
 }  // namespace ladar_perception

@@ -67,24 +67,30 @@ LADAR_INLINE float cubeRoot(float x) {
   return x > 1e-30F ? y : 0.0F;
 }
 
-/// Angle in [0, pi/2] whose cosine is |c|, absolute error below 3e-7 (Abramowitz and Stegun,
-/// Handbook of Mathematical Functions, 4.4.46). |c| may exceed 1 by rounding.
-LADAR_INLINE float acosAbsolute(double c) {
-  const double x = std::min(std::abs(c), 1.0);
-  double p = -0.0012624911;
-  p = p * x + 0.0066700901;
-  p = p * x - 0.0170881256;
-  p = p * x + 0.0308918810;
-  p = p * x - 0.0501743046;
-  p = p * x + 0.0889789874;
-  p = p * x - 0.2145988016;
-  p = p * x + 1.5707963050;
-  return static_cast<float>(std::sqrt(1.0 - x) * p);
+/// Angle in [0, pi/2] of a direction to the vertical from its horizontal length and its height (of
+/// either sign), absolute error below 3e-7: arc tangent of the lesser over the greater, by the
+/// polynomial of Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.49.
+LADAR_INLINE float angleToVertical(float horizontal, float height) {
+  const float vertical = std::abs(height);
+  const float greater = std::max(horizontal, vertical);
+  const float t = std::min(horizontal, vertical) / std::max(greater, 1e-30F);
+  const float t2 = t * t;
+  float p = 0.0028662257F;
+  p = p * t2 - 0.0161657367F;
+  p = p * t2 + 0.0429096138F;
+  p = p * t2 - 0.0752896400F;
+  p = p * t2 + 0.1065626393F;
+  p = p * t2 - 0.1420889944F;
+  p = p * t2 + 0.1999355085F;
+  p = p * t2 - 0.3333314528F;
+  p = p * t2 + 1.0F;
+  const float angle = p * t;
+  return horizontal > vertical ? 1.57079637F - angle : angle;
 }
 
 /// sum[i] = log(e^a[i] + e^sum[i])
 template <int kSize>
-LADAR_INLINE void logAddExp(const float* a, float* sum) {
+LADAR_INLINE void logAddExp(const float* __restrict__ a, float* __restrict__ sum) {
   for (int i = 0; i < kSize; ++i) {
     const float greater = std::max(a[i], sum[i]);
     const float lesser = std::min(a[i], sum[i]);

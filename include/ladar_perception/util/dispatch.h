@@ -1,16 +1,61 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Loops on whatever vector unit the CPU has: one binary, compiled once per level, chosen as it runs.
 #pragma once
 
-/// Before a function whose loops should run on whatever vector unit the CPU has: the compiler makes
-/// one copy per level and the loader picks one, so that a single binary serves every x86-64. With
-/// contraction off all copies give the same bits. Elsewhere, and under sanitizers (which cannot run
-/// before the loader has picked), it is nothing.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define LADAR_VECTOR_DISPATCH __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define LADAR_VECTOR_DISPATCH
+/// A function that must become part of every copy of the loop it is called from.
+#define LADAR_INLINE __attribute__((always_inline)) inline
+/// The same for a lambda, after its parameters.
+#define LADAR_INLINE_LAMBDA __attribute__((always_inline))
+
+namespace ladar_perception {
+
+/// Instruction sets there are copies for. With contraction off all of them give the same bits.
+enum class VectorLevel { kBaseline, kAvx2, kAvx512 };
+
+/// The level in use: the best this CPU has, or less if LADAR_VECTOR_LEVEL (baseline, avx2, avx512
+/// in the environment) or `limitVectorLevel` asks for less.
+VectorLevel vectorLevel();
+/// The best level of this CPU.
+VectorLevel bestVectorLevel();
+/// Uses no more than `level` from now on, for tests and benchmarks. Not while other threads work.
+void limitVectorLevel(VectorLevel level);
+const char* vectorLevelName(VectorLevel level);
+
+namespace dispatch_internal {
+
+#if defined(__x86_64__) && defined(__GNUC__)
+#define LADAR_HAS_VECTOR_LEVELS 1
+
+template <typename Body>
+__attribute__((target("avx2,bmi,bmi2,lzcnt,popcnt"), noinline)) void runAvx2(const Body& body) {
+  body();
+}
+
+template <typename Body>
+__attribute__((target("avx512f,avx512dq,avx512vl,avx512bw,avx2,bmi,bmi2,lzcnt,popcnt"),
+               noinline)) void
+runAvx512(const Body& body) {
+  body();
+}
 #endif
 
-/// A function that must become part of each of those copies.
-#define LADAR_INLINE __attribute__((always_inline)) inline
+}  // namespace dispatch_internal
+
+/// Calls `body`, a lambda without parameters marked LADAR_INLINE_LAMBDA, compiled for the level in
+/// use. What it calls is part of that copy only where it is inlined (LADAR_INLINE).
+template <typename Body>
+inline void dispatch(const Body& body) {
+#ifdef LADAR_HAS_VECTOR_LEVELS
+  switch (vectorLevel()) {
+    case VectorLevel::kAvx512:
+      return dispatch_internal::runAvx512(body);
+    case VectorLevel::kAvx2:
+      return dispatch_internal::runAvx2(body);
+    case VectorLevel::kBaseline:
+      break;
+  }
+#endif
+  body();
+}
+
+}  // namespace ladar_perception

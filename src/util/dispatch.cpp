@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ladar_perception/util/dispatch.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+namespace ladar_perception {
+namespace {
+
+constexpr VectorLevel kLevels[] = {VectorLevel::kBaseline, VectorLevel::kAvx2,
+                                   VectorLevel::kAvx512};
+
+VectorLevel levelOfCpu() {
+#ifdef LADAR_HAS_VECTOR_LEVELS
+  __builtin_cpu_init();
+  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") &&
+                    __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt");
+  const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                      __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
+  if (avx2 && avx512) return VectorLevel::kAvx512;
+  if (avx2) return VectorLevel::kAvx2;
+#endif
+  return VectorLevel::kBaseline;
+}
+
+VectorLevel levelAtStart() {
+  VectorLevel level = bestVectorLevel();
+  const char* wanted = std::getenv("LADAR_VECTOR_LEVEL");
+  for (const VectorLevel candidate : kLevels) {
+    if (wanted != nullptr && std::strcmp(wanted, vectorLevelName(candidate)) == 0) {
+      level = std::min(level, candidate);
+    }
+  }
+  return level;
+}
+
+VectorLevel& levelInUse() {
+  static VectorLevel level = levelAtStart();
+  return level;
+}
+
+}  // namespace
+
+VectorLevel bestVectorLevel() {
+  static const VectorLevel kBest = levelOfCpu();
+  return kBest;
+}
+
+VectorLevel vectorLevel() { return levelInUse(); }
+
+void limitVectorLevel(VectorLevel level) { levelInUse() = std::min(level, bestVectorLevel()); }
+
+const char* vectorLevelName(VectorLevel level) {
+  switch (level) {
+    case VectorLevel::kAvx512:
+      return "avx512";
+    case VectorLevel::kAvx2:
+      return "avx2";
+    case VectorLevel::kBaseline:
+      break;
+  }
+  return "baseline";
+}
+
+}  // namespace ladar_perception
