@@ -84,6 +84,7 @@ ClassifierModel emptyModel(const TerrainNodeConfig& config, const std::vector<Fe
   model.features = features;
   model.voxel_size_m = config.pipeline.voxel_size_m;
   model.support_radius_voxels = config.pipeline.support_radius_voxels;
+  model.support_kernel = config.pipeline.support_kernel;
   const auto n = static_cast<Eigen::Index>(features.size());
   for (const ClassSpec& spec : kClasses) {
     model.classes.push_back({spec.name,

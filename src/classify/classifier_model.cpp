@@ -139,7 +139,7 @@ void readClasses(const ModelReader& reader, const YAML::Node& root, ClassifierMo
 
 ClassifierModel readModel(const ModelReader& reader, const YAML::Node& root) {
   reader.expectKeys(root, {"format", "provenance", "voxel_size_m", "support_radius_voxels",
-                           "features", "unknown_log_likelihood", "classes"});
+                           "support_kernel", "features", "unknown_log_likelihood", "classes"});
   const auto format = reader.value<std::string>(root, "format", "a name");
   if (format != kFormat) {
     reader.fail(root["format"], "format is '" + format + "', expected '" + kFormat + "'");
@@ -148,6 +148,10 @@ ClassifierModel readModel(const ModelReader& reader, const YAML::Node& root) {
   model.voxel_size_m = reader.value<double>(root, "voxel_size_m", "a number");
   if (!(model.voxel_size_m > 0.0)) reader.fail(root["voxel_size_m"], "voxel_size_m must be > 0");
   model.support_radius_voxels = reader.value<int>(root, "support_radius_voxels", "an integer");
+  // Models from before there were kernels have none.
+  if (root["support_kernel"].IsDefined()) {
+    model.support_kernel = reader.value<std::string>(root, "support_kernel", "a name");
+  }
   model.unknown_log_likelihood = reader.value<double>(root, "unknown_log_likelihood", "a number");
   if (std::isnan(model.unknown_log_likelihood)) {
     reader.fail(root["unknown_log_likelihood"], "unknown_log_likelihood must not be NaN");
@@ -239,7 +243,8 @@ std::string formatClassifierModel(const ClassifierModel& model) {
     out << "  " << quoted(entry.first) << ": " << quoted(entry.second) << "\n";
   }
   out << "voxel_size_m: " << number(model.voxel_size_m)
-      << "\nsupport_radius_voxels: " << model.support_radius_voxels << "\nfeatures:\n";
+      << "\nsupport_radius_voxels: " << model.support_radius_voxels
+      << "\nsupport_kernel: " << model.support_kernel << "\nfeatures:\n";
   for (const Feature feature : model.features) out << "  - " << featureName(feature) << "\n";
   out << "classes:\n";
   for (const ModelClass& model_class : model.classes) writeClass(model_class, out);
@@ -255,16 +260,21 @@ void saveClassifierModel(const ClassifierModel& model, const std::string& path) 
 }
 
 std::string modelMisfit(const ClassifierModel& model, double voxel_size_m,
-                        int support_radius_voxels) {
+                        int support_radius_voxels, const std::string& support_kernel) {
   std::string misfit;
+  const auto differs = [&](const char* name, const std::string& learned, const std::string& set) {
+    misfit += std::string(misfit.empty() ? "" : "; ") + "it was learned at " + name + " " +
+              learned + ", the configuration has " + set;
+  };
   if (std::abs(model.voxel_size_m - voxel_size_m) > 1e-6 * voxel_size_m) {
-    misfit += "it was learned at voxel_size_m " + number(model.voxel_size_m) +
-              ", the configuration has " + number(voxel_size_m);
+    differs("voxel_size_m", number(model.voxel_size_m), number(voxel_size_m));
   }
   if (model.support_radius_voxels != support_radius_voxels) {
-    misfit += std::string(misfit.empty() ? "" : "; ") + "it was learned at support_radius_voxels " +
-              std::to_string(model.support_radius_voxels) + ", the configuration has " +
-              std::to_string(support_radius_voxels);
+    differs("support_radius_voxels", std::to_string(model.support_radius_voxels),
+            std::to_string(support_radius_voxels));
+  }
+  if (model.support_kernel != support_kernel) {
+    differs("support_kernel", model.support_kernel, support_kernel);
   }
   return misfit;
 }

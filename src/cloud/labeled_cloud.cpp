@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ladar_perception/cloud/labeled_cloud.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cstring>
 
@@ -10,6 +11,16 @@ namespace ladar_perception {
 namespace {
 
 constexpr const char* kAddedFields[] = {"rgb", "confidence", "label"};
+
+/// memcpy, without the call for the few bytes of a point.
+void copyBytes(const uint8_t* in, std::size_t size, uint8_t* out) {
+  for (; size >= sizeof(uint64_t); size -= sizeof(uint64_t)) {
+    std::memcpy(out, in, sizeof(uint64_t));
+    in += sizeof(uint64_t);
+    out += sizeof(uint64_t);
+  }
+  for (; size > 0; --size) *out++ = *in++;
+}
 
 /// A name for a field that makes way for ours, itself not in use yet.
 std::string nameMadeWay(const CloudLayout& layout, const std::string& name) {
@@ -42,17 +53,28 @@ void writeLabeledCloud(const CloudView& input, const std::vector<PointLabel>& la
   const uint32_t rgb_offset = output_layout.find("rgb")->offset;
   const uint32_t confidence_offset = output_layout.find("confidence")->offset;
   const uint32_t label_offset = output_layout.find("label")->offset;
-  output->assign(labels.size() * output_layout.point_step, 0);
-  uint8_t* out = output->data();
+  const std::size_t step = output_layout.point_step;
+  // Points are put together in a small buffer and appended: to size the output first would fill all
+  // of it with zeros that are then written over.
+  constexpr std::size_t kPoints = 128;
+  std::vector<uint8_t> buffer(kPoints * step, 0);
+  output->clear();
+  output->reserve(labels.size() * step);
   const PointLabel* point_label = labels.data();
   for (std::size_t row = 0; row < input.layout.height; ++row) {
-    for (std::size_t col = 0; col < input.layout.width; ++col) {
-      std::memcpy(out, input.point(row, col), input.layout.point_step);
-      storeScalar(point_label->rgb, swap, out + rgb_offset);
-      storeScalar(point_label->confidence, swap, out + confidence_offset);
-      out[label_offset] = point_label->label;
-      out += output_layout.point_step;
-      ++point_label;
+    for (std::size_t col = 0; col < input.layout.width; col += kPoints) {
+      const std::size_t count = std::min<std::size_t>(kPoints, input.layout.width - col);
+      const uint8_t* in = input.point(row, col);
+      uint8_t* out = buffer.data();
+      for (std::size_t i = 0; i < count; ++i, ++point_label) {
+        copyBytes(in, input.layout.point_step, out);
+        storeScalar(point_label->rgb, swap, out + rgb_offset);
+        storeScalar(point_label->confidence, swap, out + confidence_offset);
+        out[label_offset] = point_label->label;
+        in += input.layout.point_step;
+        out += step;
+      }
+      output->insert(output->end(), buffer.data(), out);
     }
   }
 }

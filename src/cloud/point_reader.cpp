@@ -48,6 +48,19 @@ void gather(const CloudView& cloud, const Field& field, Out* out, std::size_t st
   }
 }
 
+/// x, y and z as most drivers send them, in one pass.
+void gatherFloats(const CloudView& cloud, const PointFields& fields, double* out) {
+  for (std::size_t row = 0; row < cloud.layout.height; ++row) {
+    const uint8_t* bytes = cloud.point(row, 0);
+    for (std::size_t col = 0; col < cloud.layout.width; ++col) {
+      *out++ = static_cast<double>(loadScalar<float>(bytes + fields.x.offset, false));
+      *out++ = static_cast<double>(loadScalar<float>(bytes + fields.y.offset, false));
+      *out++ = static_cast<double>(loadScalar<float>(bytes + fields.z.offset, false));
+      bytes += cloud.layout.point_step;
+    }
+  }
+}
+
 bool isFloat(ScalarType type) {
   return type == ScalarType::kFloat32 || type == ScalarType::kFloat64;
 }
@@ -96,6 +109,12 @@ void readPositions(const CloudView& cloud, const PointFields& fields,
   positions_m->resize(cloud.layout.pointCount());
   if (positions_m->empty()) return;
   double* first = positions_m->front().data();
+  const auto isPlain = [&](const Field& field) { return field.type == ScalarType::kFloat32; };
+  if (isPlain(fields.x) && isPlain(fields.y) && isPlain(fields.z) &&
+      cloud.layout.big_endian == kHostIsBigEndian) {
+    gatherFloats(cloud, fields, first);
+    return;
+  }
   gather(cloud, fields.x, first, 3);
   gather(cloud, fields.y, first + 1, 3);
   gather(cloud, fields.z, first + 2, 3);

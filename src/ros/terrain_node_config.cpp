@@ -94,7 +94,8 @@ ClassifierModel loadFittingModel(const TerrainNodeConfig& config) {
   const std::string path = resolvePackagePath(config.model);
   ClassifierModel model = loadClassifierModel(path);
   const std::string misfit =
-      modelMisfit(model, config.pipeline.voxel_size_m, config.pipeline.support_radius_voxels);
+      modelMisfit(model, config.pipeline.voxel_size_m, config.pipeline.support_radius_voxels,
+                  config.pipeline.support_kernel);
   if (!misfit.empty()) {
     throw std::runtime_error(path + ": the model does not fit the configuration: " + misfit);
   }

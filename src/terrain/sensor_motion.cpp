@@ -44,10 +44,4 @@ void MotionTable::assign(const SensorMotion& motion) {
   }
 }
 
-const Eigen::Isometry3d& MotionTable::nearest(float offset_s) const {
-  const double step = (offset_s - begin_s_) * steps_per_s_ + 0.5;
-  const double last = static_cast<double>(poses_.size()) - 1.0;
-  return poses_[static_cast<std::size_t>(std::clamp(step, 0.0, last))];
-}
-
 }  // namespace ladar_perception

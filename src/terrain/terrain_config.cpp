@@ -29,6 +29,8 @@ void TerrainConfig::addTo(ParamTable* table) {
              "height of the map's middle over the vehicle frame's origin");
   table->add("support_radius_voxels", &support_radius_voxels, 1, 6, "voxels",
              "r: features come from the (2 r + 1)^3 voxels around a voxel");
+  table->add("support_kernel", &support_kernel,
+             "weights in the support volume: box, all alike, or gaussian, falling to 1/4 at r");
   table->add("min_support_points", &min_support_points, 3, 1000, "points",
              "voxels with fewer points in their support volume are unknown");
   table->add("min_range_m", &min_range_m, 0.0, 100.0, "m",
@@ -66,6 +68,9 @@ std::vector<std::string> TerrainConfig::validate() const {
   if (min_range_m >= max_range_m) {
     violations.emplace_back("min_range_m: must be less than max_range_m");
   }
+  if (support_kernel != "box" && support_kernel != "gaussian") {
+    violations.push_back("support_kernel: '" + support_kernel + "', expected box or gaussian");
+  }
   if (forget_after_s > 0.0 && forget_after_scans > 0) {
     violations.emplace_back("forget_after_s, forget_after_scans: only one of them may be set");
   }
@@ -76,6 +81,11 @@ MapShape TerrainConfig::mapShape() const {
   return {static_cast<int>(voxelsAcross(map_size_x_m, voxel_size_m)),
           static_cast<int>(voxelsAcross(map_size_y_m, voxel_size_m)),
           static_cast<int>(voxelsAcross(map_size_z_m, voxel_size_m))};
+}
+
+BoxStack TerrainConfig::supportStack() const {
+  return support_kernel == "gaussian" ? gaussianBoxStack(support_radius_voxels)
+                                      : BoxStack{{cube(support_radius_voxels), 1}};
 }
 
 }  // namespace ladar_perception

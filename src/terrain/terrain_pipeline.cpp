@@ -13,6 +13,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::size_t kPointBlock = 256;
+
 /// Adds the time since the last call to a stage.
 class StageTimer {
  public:
@@ -81,6 +83,12 @@ class TerrainPipeline::VoxelClassifier {
     return sums_[count_++];
   }
 
+  /// As BoxStackSums wants it: the sums over the boxes of the stack, the widest first.
+  LADAR_INLINE void accept(std::size_t slot, int x, int y, int z, const Moments* sums) {
+    place(slot, x, y, z) = weightedSum(pipeline_.stack_, sums);
+    points_[count_ - 1] = sums[0].count();
+  }
+
   void flush() {
     const auto begin = Clock::now();
     classifyBlock();
@@ -95,6 +103,8 @@ class TerrainPipeline::VoxelClassifier {
  private:
   void classifyBlock() {
     saliencyOfBlock(sums_, voxels_, count_, step_m_, &block_);
+    // A weighted sum's count is not one of points.
+    if (pipeline_.stack_.size() > 1) std::copy_n(points_, count_, block_.points);
     const auto& features = pipeline_.classifier_.features();
     for (std::size_t f = 0; f < features.size(); ++f) {
       featureValues(features[f], block_, features_.row(static_cast<int>(f)));
@@ -116,6 +126,7 @@ class TerrainPipeline::VoxelClassifier {
   Moments sums_[kSaliencyBlock];
   VoxelIndex voxels_[kSaliencyBlock];
   uint32_t slots_[kSaliencyBlock];
+  uint32_t points_[kSaliencyBlock];  // of stacks of boxes only
   SaliencyBlock block_;
   FeatureBlock features_;
   std::size_t voxels_done_ = 0;
@@ -127,14 +138,23 @@ TerrainPipeline::TerrainPipeline(const TerrainConfig& config, const ClassifierMo
       model_(model),
       classifier_(model),
       pool_(config.threads),
-      map_(config.mapShape(), maxPointsPerVoxel(config.support_radius_voxels)) {
+      map_(config.mapShape(), maxPointsPerVoxel(config.supportStack())),
+      stack_(config.supportStack()) {
   assert(config.validate().empty());
-  assert(modelMisfit(model, config.voxel_size_m, config.support_radius_voxels).empty());
+  assert(modelMisfit(model, config.voxel_size_m, config.support_radius_voxels,
+                     config.support_kernel)
+             .empty());
+  std::vector<SupportBox> boxes;
+  for (const WeightedBox& weighted : stack_) boxes.push_back(weighted.box);
   for (int i = 0; i < config.threads; ++i) {
-    box_sums_.emplace_back(cube(config.support_radius_voxels));
+    if (boxes.size() == 1) {
+      box_sums_.emplace_back(boxes[0]);
+    } else {
+      stack_sums_.emplace_back(boxes);
+    }
   }
   if (config.forget_after_s > 0.0 || config.forget_after_scans > 0) {
-    slices_ = EvidenceSlices(config.mapShape(), maxPointsPerVoxel(config.support_radius_voxels));
+    slices_ = EvidenceSlices(config.mapShape(), maxPointsPerVoxel(stack_));
   }
 }
 
@@ -199,72 +219,79 @@ void TerrainPipeline::forgetOldPoints(double stamp_s) {
 void TerrainPipeline::insertPoints(const std::vector<float>& time_offsets_s,
                                    const SensorMotion& motion) {
   report_.points_in = positions_m_.size();
-  point_cells_.assign(positions_m_.size(), kNoCell);
+  point_cells_.resize(positions_m_.size());
   motion_table_.assign(time_offsets_s.empty() ? SensorMotion(motion.poseAt(0.0)) : motion);
+  const float* offsets_s = time_offsets_s.empty() ? nullptr : time_offsets_s.data();
+  VoxelMap* slice = slices_.enabled() ? &slices_.current() : nullptr;
   dispatch([&]() LADAR_INLINE_LAMBDA {
-    if (slices_.enabled()) {
-      VoxelMap& slice = slices_.current();
-      insertEach(time_offsets_s, [&](const FixedPoint& q, CellId* cell) LADAR_INLINE_LAMBDA {
-        const InsertResult result = map_.insert(q, cell);
-        CellId same;
-        if (result == InsertResult::kInserted) slice.insert(q, &same);
-        return result;
-      });
-    } else {
-      insertEach(time_offsets_s, [&](const FixedPoint& q, CellId* cell) LADAR_INLINE_LAMBDA {
-        return map_.insert(q, cell);
-      });
+    for (std::size_t first = 0; first < positions_m_.size(); first += kPointBlock) {
+      const std::size_t count = std::min(kPointBlock, positions_m_.size() - first);
+      FixedPoint q[kPointBlock];
+      locatePoints(positions_m_.data() + first, offsets_s == nullptr ? nullptr : offsets_s + first,
+                   count, q, point_cells_.data() + first);
+      insertLocated(q, point_cells_.data() + first, count, slice);
     }
   });
 }
 
-template <typename Insert>
-LADAR_INLINE void TerrainPipeline::insertEach(const std::vector<float>& time_offsets_s,
-                                              const Insert& insert) {
+/// Where `count` points lie in the map; dropped ones are counted and in no cell.
+LADAR_INLINE void TerrainPipeline::locatePoints(const Eigen::Vector3d* p_sensor,
+                                                const float* offsets_s, std::size_t count,
+                                                FixedPoint* q, CellId* cells) {
   const double steps_per_m = static_cast<double>(kStepsPerVoxel) / config_.voxel_size_m;
   const double min_squared = config_.min_range_m * config_.min_range_m;
   const double max_squared = config_.max_range_m * config_.max_range_m;
-  const bool one_pose = time_offsets_s.empty();
-  const auto drop = [&](PointDrop reason) LADAR_INLINE_LAMBDA {
-    ++report_.dropped[static_cast<int>(reason)];
-  };
-  for (std::size_t i = 0; i < positions_m_.size(); ++i) {
-    const Eigen::Vector3d& p_sensor = positions_m_[i];
-    const double range_squared = p_sensor.squaredNorm();
-    if (!(range_squared <= max_squared)) {
-      drop(p_sensor.allFinite() ? PointDrop::kTooFar : PointDrop::kNotFinite);
-      continue;
-    }
-    if (range_squared < min_squared) {
-      drop(PointDrop::kTooNear);
+  for (std::size_t i = 0; i < count; ++i) {
+    cells[i] = kNoCell;
+    const double range_squared = p_sensor[i].squaredNorm();
+    if (!(range_squared >= min_squared && range_squared <= max_squared)) {
+      drop(!p_sensor[i].allFinite()         ? PointDrop::kNotFinite
+           : range_squared < min_squared ? PointDrop::kTooNear
+                                         : PointDrop::kTooFar);
       continue;
     }
     const Eigen::Isometry3d& T_map_sensor =
-        motion_table_.nearest(one_pose ? 0.0F : time_offsets_s[i]);
-    const Eigen::Vector3d p_map = T_map_sensor * p_sensor;
-    switch (insert(toFixedPoint(p_map, steps_per_m), &point_cells_[i])) {
-      case InsertResult::kInserted:
-        ++report_.points_inserted;
-        break;
-      case InsertResult::kOutside:
-        drop(PointDrop::kOutsideMap);
-        break;
-      case InsertResult::kSaturated:
-        drop(PointDrop::kSaturated);
-        break;
+        motion_table_.nearest(offsets_s == nullptr ? 0.0F : offsets_s[i]);
+    const Eigen::Vector3d p_map = T_map_sensor * p_sensor[i];
+    q[i] = toFixedPoint(p_map, steps_per_m);
+    cells[i] = map_.cellOf(q[i]);
+    if (cells[i] == kNoCell) {
+      drop(PointDrop::kOutsideMap);
+    } else {
+      map_.prefetchColumn(cells[i]);
     }
   }
 }
 
+LADAR_INLINE void TerrainPipeline::insertLocated(const FixedPoint* q, const CellId* cells,
+                                                 std::size_t count, VoxelMap* slice) {
+  constexpr std::size_t kAhead = 12;  // points whose records are on their way
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i + kAhead < count && cells[i + kAhead] != kNoCell) map_.prefetchRecord(cells[i + kAhead]);
+    if (cells[i] == kNoCell) continue;
+    if (map_.insertAt(cells[i], q[i]) == InsertResult::kSaturated) {
+      drop(PointDrop::kSaturated);
+      continue;
+    }
+    ++report_.points_inserted;
+    if (slice != nullptr) slice->insertAt(cells[i], q[i]);
+  }
+}
+
 void TerrainPipeline::updateVoxels() {
-  affected_.assignAffected(map_, config_.support_radius_voxels);
+  affected_.assignAffected(map_, stack_[0].box.radius_xy);
   map_.forgetChanges();
   saliencies_.resize(map_.slotBound());
   classifications_.resize(map_.slotBound());
   const std::vector<int> rows = shareRows(map_, affected_, pool_.size());
   std::vector<VoxelClassifier> classifiers(pool_.size(), VoxelClassifier(this));
   pool_.run([&](int share) {
-    box_sums_[share].compute(map_, affected_, rows[share], rows[share + 1], classifiers[share]);
+    if (stack_sums_.empty()) {
+      box_sums_[share].compute(map_, affected_, rows[share], rows[share + 1], classifiers[share]);
+    } else {
+      stack_sums_[share].compute(map_, affected_, rows[share], rows[share + 1],
+                                 classifiers[share]);
+    }
     classifiers[share].flush();
   });
   double classify_ms = 0.0;
@@ -298,6 +325,7 @@ std::size_t TerrainPipeline::memoryBytes() const {
                       saliencies_.capacity() * sizeof(SaliencyF) +
                       classifications_.capacity() * sizeof(Classification);
   for (const auto& box_sums : box_sums_) bytes += box_sums.memoryBytes();
+  for (const auto& stack_sums : stack_sums_) bytes += stack_sums.memoryBytes();
   return bytes;
 }
 

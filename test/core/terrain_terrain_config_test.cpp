@@ -35,7 +35,7 @@ TEST(TerrainConfig, EveryFieldIsAParameterOfItsOwn) {
         std::visit([](auto* p) { return static_cast<const void*>(p); }, spec.target);
     EXPECT_TRUE(targets.insert(target).second) << spec.name;
   }
-  EXPECT_EQ(names.size(), 12U);
+  EXPECT_EQ(names.size(), 13U);
 }
 
 TEST(TerrainConfig, ValuesReachTheirFields) {
@@ -52,6 +52,7 @@ TEST(TerrainConfig, ValuesReachTheirFields) {
                           {"min_support_points", 7},
                           {"min_range_m", 1.0},
                           {"max_range_m", 50.0},
+                          {"support_kernel", std::string("gaussian")},
                           {"forget_after_s", 12.5},
                           {"forget_after_scans", 40},
                           {"threads", 2}})
@@ -65,6 +66,8 @@ TEST(TerrainConfig, ValuesReachTheirFields) {
   EXPECT_EQ(config.min_support_points, 7);
   EXPECT_EQ(config.min_range_m, 1.0);
   EXPECT_EQ(config.max_range_m, 50.0);
+  EXPECT_EQ(config.support_kernel, "gaussian");
+  EXPECT_GT(config.supportStack().size(), 1U);
   EXPECT_EQ(config.forget_after_s, 12.5);
   EXPECT_EQ(config.forget_after_scans, 40);
   EXPECT_EQ(config.threads, 2);
@@ -73,6 +76,14 @@ TEST(TerrainConfig, ValuesReachTheirFields) {
   EXPECT_EQ(shape.nx, 150);
   EXPECT_EQ(shape.ny, 200);
   EXPECT_EQ(shape.nz, 25);
+}
+
+TEST(TerrainConfig, UnknownKernelsAreRefused) {
+  TerrainConfig config;
+  config.support_kernel = "cone";
+  const auto violations = config.validate();
+  ASSERT_EQ(violations.size(), 1U);
+  EXPECT_EQ(violations[0], "support_kernel: 'cone', expected box or gaussian");
 }
 
 TEST(TerrainConfig, OutOfRangeIsRefused) {

@@ -32,6 +32,7 @@ struct ClassifierModel {
   std::vector<Feature> features;
   double voxel_size_m = 0.0;
   int support_radius_voxels = 0;
+  std::string support_kernel = "box";
   /// Support volumes whose best log-likelihood is lower are unknown; -inf to label them all.
   double unknown_log_likelihood = -std::numeric_limits<double>::infinity();
   /// Where it comes from: what was simulated or recorded, counts, seeds. For people.
@@ -53,6 +54,6 @@ std::string formatClassifierModel(const ClassifierModel& model);
 
 /// Why a model learned for other voxels or another support volume must not be used, or "".
 std::string modelMisfit(const ClassifierModel& model, double voxel_size_m,
-                        int support_radius_voxels);
+                        int support_radius_voxels, const std::string& support_kernel = "box");
 
 }  // namespace ladar_perception

@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "ladar_perception/util/dispatch.h"
+
 namespace ladar_perception {
 
 /// Quantisation steps per voxel edge (0.39 mm at 10 cm voxels).
@@ -36,20 +38,20 @@ struct VoxelIndex {
 };
 
 /// Largest integer not above `value`; a cast alone would round negatives towards zero.
-inline int64_t floorToInt(double value) {
+LADAR_INLINE int64_t floorToInt(double value) {
   const auto truncated = static_cast<int64_t>(value);
   return truncated - (value < static_cast<double>(truncated) ? 1 : 0);
 }
 
 /// `p_map` in metres, each |coordinate| <= kMaxCoordinate_m; `steps_per_m` = 256 / voxel size.
-inline FixedPoint toFixedPoint(const Eigen::Vector3d& p_map, double steps_per_m) {
+LADAR_INLINE FixedPoint toFixedPoint(const Eigen::Vector3d& p_map, double steps_per_m) {
   return {floorToInt(p_map.x() * steps_per_m), floorToInt(p_map.y() * steps_per_m),
           floorToInt(p_map.z() * steps_per_m)};
 }
 
 /// The voxel a position lies in. Shifting a negative integer right is a floor on every compiler
 /// this package supports (and by rule from C++20 on).
-inline VoxelIndex voxelOf(const FixedPoint& q) {
+LADAR_INLINE VoxelIndex voxelOf(const FixedPoint& q) {
   return {static_cast<int32_t>(q.x >> kStepsPerVoxelLog2),
           static_cast<int32_t>(q.y >> kStepsPerVoxelLog2),
           static_cast<int32_t>(q.z >> kStepsPerVoxelLog2)};

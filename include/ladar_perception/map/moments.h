@@ -45,6 +45,11 @@ class alignas(64) Moments {
     words() -= other.words();
     return *this;
   }
+  /// Every point counts `weight` times. Sums of what is weighted must still fit (see the class).
+  LADAR_INLINE Moments& operator*=(uint32_t weight) {
+    words() *= weight;
+    return *this;
+  }
   bool operator==(const Moments& other) const {
     for (int i = 0; i < 8; ++i) {
       if (word_[i] != other.word_[i]) return false;

@@ -71,7 +71,19 @@ class BasicVoxelMap {
 
   /// Adds a point. `*cell` is its voxel (also when saturated), or kNoCell outside the window.
   template <typename... Payload>
-  LADAR_INLINE InsertResult insert(const FixedPoint& q, CellId* cell, const Payload&... payload);
+  LADAR_INLINE InsertResult insert(const FixedPoint& q, CellId* cell, const Payload&... payload) {
+    *cell = cellOf(q);
+    return *cell == kNoCell ? InsertResult::kOutside : insertAt(*cell, q, payload...);
+  }
+  // The same in steps, for loops over many points: what a later point needs can be on its way from
+  // memory (`prefetch...`, in this order) while earlier ones are inserted.
+  /// Voxel of a position, kNoCell outside the window.
+  LADAR_INLINE CellId cellOf(const FixedPoint& q) const;
+  LADAR_INLINE void prefetchColumn(CellId cell) const;
+  LADAR_INLINE void prefetchRecord(CellId cell) const;
+  /// `cell` is `cellOf(q)` and not kNoCell.
+  template <typename... Payload>
+  LADAR_INLINE InsertResult insertAt(CellId cell, const FixedPoint& q, const Payload&... payload);
   /// Takes out the points of `part`, which were all inserted here too and are still here: a map of
   /// the same shape and window. A voxel without points left is empty again.
   void subtract(const BasicVoxelMap& part);
@@ -84,9 +96,9 @@ class BasicVoxelMap {
   std::size_t slotBound() const { return arena_.size(); }
   const Record& record(std::size_t slot) const { return arena_[slot]; }
   LADAR_INLINE std::size_t slotOf(CellId cell) const {
-    const auto column = static_cast<int>(cell >> height_bits_);
-    const auto height = static_cast<int>(cell & ((1U << height_bits_) - 1));
-    return runs_[column].offset + static_cast<std::size_t>(bit_mask::countBelow(mask(column), height));
+    const int column = columnOf(cell);
+    return runs_[column].offset +
+           static_cast<std::size_t>(bit_mask::countBelow(mask(column), heightOf(cell)));
   }
   /// Calls `visit(voxel, slot)` for every occupied voxel: columns by ascending y, then x, then
   /// ascending z.
@@ -114,10 +126,13 @@ class BasicVoxelMap {
   void forgetChanges();
 
  private:
-  static int wrap(int i, int n) { return i < n ? i : i - n; }
-
-  uint64_t* maskOf(int column) { return masks_.data() + static_cast<std::size_t>(column) * words_; }
-  void noteChange(int column, const ColumnIndex& index);
+  LADAR_INLINE static int wrap(int i, int n) { return i < n ? i : i - n; }
+  LADAR_INLINE int columnOf(CellId cell) const { return static_cast<int>(cell >> height_bits_); }
+  LADAR_INLINE int heightOf(CellId cell) const {
+    return static_cast<int>(cell & ((1U << height_bits_) - 1));
+  }
+  LADAR_INLINE uint64_t* maskOf(int column) { return masks_.data() + static_cast<std::size_t>(column) * words_; }
+  LADAR_INLINE void noteChange(int column, const ColumnIndex& index);
   void clearColumns(int x_begin, int x_end, int y_begin, int y_end);
   void scrollHeight(int dz);
   void subtractColumn(int column, const BasicVoxelMap& part);

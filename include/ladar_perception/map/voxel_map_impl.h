@@ -74,20 +74,39 @@ void BasicVoxelMap<Record>::clear() {
 }
 
 template <typename Record>
-template <typename... Payload>
-LADAR_INLINE InsertResult BasicVoxelMap<Record>::insert(const FixedPoint& q, CellId* cell,
-                                                        const Payload&... payload) {
-  // Compared as 64-bit integers: a position far outside must not wrap into the window.
-  const int64_t x = (q.x >> kStepsPerVoxelLog2) - min_.x;
-  const int64_t y = (q.y >> kStepsPerVoxelLog2) - min_.y;
-  const int64_t z = (q.z >> kStepsPerVoxelLog2) - min_.z;
-  if (x < 0 || x >= shape_.nx || y < 0 || y >= shape_.ny || z < 0 || z >= shape_.nz) {
-    *cell = kNoCell;
-    return InsertResult::kOutside;
-  }
+LADAR_INLINE CellId BasicVoxelMap<Record>::cellOf(const FixedPoint& q) const {
+  // Compared as 64-bit integers: a position far outside must not wrap into the window. As unsigned
+  // ones, so that negative is too great as well.
+  const auto x = static_cast<uint64_t>((q.x >> kStepsPerVoxelLog2) - min_.x);
+  const auto y = static_cast<uint64_t>((q.y >> kStepsPerVoxelLog2) - min_.y);
+  const auto z = static_cast<uint64_t>((q.z >> kStepsPerVoxelLog2) - min_.z);
+  const bool inside = x < static_cast<uint64_t>(shape_.nx) && y < static_cast<uint64_t>(shape_.ny) &&
+                      z < static_cast<uint64_t>(shape_.nz);
+  if (!inside) return kNoCell;
   const int column = columnAt(static_cast<int>(x), static_cast<int>(y));
-  const int height = static_cast<int>(z);
-  *cell = static_cast<CellId>(column) << height_bits_ | static_cast<CellId>(height);
+  return static_cast<CellId>(column) << height_bits_ | static_cast<CellId>(z);
+}
+
+template <typename Record>
+LADAR_INLINE void BasicVoxelMap<Record>::prefetchColumn(CellId cell) const {
+  __builtin_prefetch(mask(columnOf(cell)), 1);
+  __builtin_prefetch(&runs_[columnOf(cell)], 1);
+}
+
+template <typename Record>
+LADAR_INLINE void BasicVoxelMap<Record>::prefetchRecord(CellId cell) const {
+  // Of an empty voxel it is the record that will have to move.
+  __builtin_prefetch(records(columnOf(cell)) +
+                         bit_mask::countBelow(mask(columnOf(cell)), heightOf(cell)),
+                     1);
+}
+
+template <typename Record>
+template <typename... Payload>
+LADAR_INLINE InsertResult BasicVoxelMap<Record>::insertAt(CellId cell, const FixedPoint& q,
+                                                          const Payload&... payload) {
+  const int column = columnOf(cell);
+  const int height = heightOf(cell);
   uint64_t* column_mask = maskOf(column);
   const int rank = bit_mask::countBelow(column_mask, height);
   uint64_t& word = column_mask[height / 64];

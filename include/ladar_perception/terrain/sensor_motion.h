@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include <Eigen/Geometry>
+
+#include "ladar_perception/util/dispatch.h"
 
 namespace ladar_perception {
 
@@ -34,7 +37,11 @@ class SensorMotion {
 class MotionTable {
  public:
   void assign(const SensorMotion& motion);
-  const Eigen::Isometry3d& nearest(float offset_s) const;
+  LADAR_INLINE const Eigen::Isometry3d& nearest(float offset_s) const {
+    const double step = (offset_s - begin_s_) * steps_per_s_ + 0.5;
+    const double last = static_cast<double>(poses_.size()) - 1.0;
+    return poses_[static_cast<std::size_t>(std::min(std::max(step, 0.0), last))];
+  }
 
  private:
   static constexpr int kSteps = 1024;

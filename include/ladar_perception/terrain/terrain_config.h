@@ -6,6 +6,7 @@
 
 #include "ladar_perception/map/voxel_map.h"
 #include "ladar_perception/params/param_table.h"
+#include "ladar_perception/saliency/box_stack.h"
 
 namespace ladar_perception {
 
@@ -17,6 +18,7 @@ struct TerrainConfig {
   double map_size_z_m = 3.0;
   double map_center_height_m = 0.5;
   int support_radius_voxels = 4;
+  std::string support_kernel = "box";
   int min_support_points = 5;
   double min_range_m = 0.5;
   double max_range_m = 100.0;
@@ -29,6 +31,8 @@ struct TerrainConfig {
   /// Violations that no single range can tell.
   std::vector<std::string> validate() const;
   MapShape mapShape() const;
+  /// The support volume: one box, or the stack that stands for the kernel.
+  BoxStack supportStack() const;
 };
 
 }  // namespace ladar_perception

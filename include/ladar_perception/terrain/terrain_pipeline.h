@@ -12,7 +12,7 @@
 #include "ladar_perception/map/column_set.h"
 #include "ladar_perception/map/evidence_slices.h"
 #include "ladar_perception/map/voxel_map.h"
-#include "ladar_perception/saliency/box_sums.h"
+#include "ladar_perception/saliency/box_stack.h"
 #include "ladar_perception/saliency/saliency.h"
 #include "ladar_perception/terrain/sensor_motion.h"
 #include "ladar_perception/terrain/terrain_config.h"
@@ -83,8 +83,10 @@ class TerrainPipeline {
   class VoxelClassifier;
 
   void insertPoints(const std::vector<float>& time_offsets_s, const SensorMotion& motion);
-  template <typename Insert>
-  void insertEach(const std::vector<float>& time_offsets_s, const Insert& insert);
+  void locatePoints(const Eigen::Vector3d* p_sensor, const float* offsets_s, std::size_t count,
+                    FixedPoint* q, CellId* cells);
+  void insertLocated(const FixedPoint* q, const CellId* cells, std::size_t count, VoxelMap* slice);
+  void drop(PointDrop reason) { ++report_.dropped[static_cast<int>(reason)]; }
   void scrollTo(const Eigen::Vector3d& p_map_vehicle);
   void forgetOldPoints(double stamp_s);
   void updateVoxels();
@@ -98,7 +100,10 @@ class TerrainPipeline {
   VoxelMap map_;
   EvidenceSlices slices_;
   uint64_t scans_ = 0;  // since the last reset
-  std::vector<SlidingBoxSums<Moments>> box_sums_;  // one per thread
+  BoxStack stack_;
+  // One per thread: of the first for a single box, of the second for a stack.
+  std::vector<SlidingBoxSums<Moments>> box_sums_;
+  std::vector<BoxStackSums<Moments>> stack_sums_;
   MotionTable motion_table_;
   ScanReport report_;
   std::vector<Eigen::Vector3d> positions_m_;  // in the sensor frame
