@@ -40,8 +40,8 @@ ReuseStatistics reuseStatistics(const VoxelMap& map, ScanAxis axis) {
   last_visited.reset(map.shape());
   const VoxelIndex& min = map.minCorner();
   map.forEachVoxel([&](const VoxelIndex& v, std::size_t slot) {
-    const Predecessor from = last_visited.visit(v.x - min.x, v.y - min.y, v.z - min.z,
-                                                static_cast<uint32_t>(slot));
+    const Predecessor from =
+        last_visited.visit(v.x - min.x, v.y - min.y, v.z - min.z, static_cast<uint32_t>(slot));
     ++statistics.histogram[std::min(from.distance, ReuseStatistics::kMaxDistance)];
     ++statistics.voxels;
   });
@@ -61,9 +61,9 @@ std::unique_ptr<BoxSumStrategy> makeBoxSumStrategy(const std::string& name) {
 }
 
 const std::vector<std::string>& boxSumStrategyNames() {
-  static const std::vector<std::string> kNames = {
-      "hash_brute",    "dense_brute",   "naive_scan",    "paper_reuse",
-      "paper_reuse_x", "paper_reuse_y", "paper_reuse_z", "sliding"};
+  static const std::vector<std::string> kNames = {"hash_brute",    "dense_brute",   "naive_scan",
+                                                  "paper_reuse",   "paper_reuse_x", "paper_reuse_y",
+                                                  "paper_reuse_z", "sliding"};
   return kNames;
 }
 

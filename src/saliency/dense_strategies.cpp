@@ -125,11 +125,14 @@ class PaperReuse : public BoxSumStrategy {
       scanOccupied(grid_, [&](int x, int y, int z, uint32_t slot) LADAR_INLINE_LAMBDA {
         const VoxelBox box = grid_.boxAround(x, y, z, r);
         const Predecessor from = last_visited_.visit(x, y, z, slot);
-        if (2 * from.distance < 2 * r + 1) {
-          const int at[3] = {x, y, z};
-          (*sums)[slot] = slide((*sums)[from.slot], box, from, at[from.axis], r);
-        } else {
+        if (2 * from.distance >= 2 * r + 1) {
           (*sums)[slot] = grid_.sum(box);
+        } else if (from.axis == 0) {
+          (*sums)[slot] = slide<0>((*sums)[from.slot], box, x - from.distance, r);
+        } else if (from.axis == 1) {
+          (*sums)[slot] = slide<1>((*sums)[from.slot], box, y - from.distance, r);
+        } else {
+          (*sums)[slot] = slide<2>((*sums)[from.slot], box, z - from.distance, r);
         }
       });
     });
@@ -140,17 +143,16 @@ class PaperReuse : public BoxSumStrategy {
   }
 
  private:
-  /// The predecessor's sum without the slices behind `box`, and with the foremost ones of it.
-  LADAR_INLINE Moments slide(const Moments& previous, const VoxelBox& box, const Predecessor& from,
-                             int at, int r) const {
-    const MapShape& shape = grid_.shape();
-    const int size[3] = {shape.nx, shape.ny, shape.nz};
-    const int a = from.axis;
+  /// The sum of the predecessor, which is at `from` on its axis, without the slices behind `box`
+  /// and with the foremost ones of it.
+  template <int kAxis>
+  LADAR_INLINE Moments slide(const Moments& previous, const VoxelBox& box, int from, int r) const {
+    const int size[3] = {grid_.shape().nx, grid_.shape().ny, grid_.shape().nz};
     VoxelBox leaving = box;
-    leaving.begin[a] = std::max(at - from.distance - r, 0);
-    leaving.end[a] = box.begin[a];
+    leaving.begin[kAxis] = std::max(from - r, 0);
+    leaving.end[kAxis] = box.begin[kAxis];
     VoxelBox entering = box;
-    entering.begin[a] = std::min(at - from.distance + r + 1, size[a]);
+    entering.begin[kAxis] = std::min(from + r + 1, size[kAxis]);
     Moments sum = previous;
     sum -= grid_.sum(leaving);
     sum += grid_.sum(entering);

@@ -43,14 +43,16 @@ class LastVisited {
   /// The nearest voxel visited before (x, y, z), which is then the one visited last on its lines.
   LADAR_INLINE Predecessor visit(int x, int y, int z, uint32_t slot) {
     Predecessor nearest = {INT_MAX, 0, 0};
-    if (looksAlong(ScanAxis::kZ)) {
-      step(&along_z_[static_cast<std::size_t>(y) * shape_.nx + x], z, slot, 2, &nearest);
+    // Of equally near ones the axis whose slices are most in the cache: the scan runs along x, so
+    // those across y are almost the previous voxel's.
+    if (looksAlong(ScanAxis::kY)) {
+      step(&along_y_[static_cast<std::size_t>(x) * shape_.nz + z], y, slot, 1, &nearest);
     }
     if (looksAlong(ScanAxis::kX)) {
       step(&along_x_[static_cast<std::size_t>(y) * shape_.nz + z], x, slot, 0, &nearest);
     }
-    if (looksAlong(ScanAxis::kY)) {
-      step(&along_y_[static_cast<std::size_t>(x) * shape_.nz + z], y, slot, 1, &nearest);
+    if (looksAlong(ScanAxis::kZ)) {
+      step(&along_z_[static_cast<std::size_t>(y) * shape_.nx + x], z, slot, 2, &nearest);
     }
     return nearest;
   }

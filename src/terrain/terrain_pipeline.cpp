@@ -173,6 +173,8 @@ const ScanReport& TerrainPipeline::process(const CloudView& cloud, const PointFi
   insertPoints(time_offsets_s, motion);
   timer.endOf(Stage::kInsert);
 
+  affected_.assignAffected(map_, stack_[0].box.radius_xy);
+  map_.forgetChanges();
   updateVoxels();
   timer.endOf(Stage::kSum);
   report_.stage_ms[static_cast<int>(Stage::kSum)] -=
@@ -278,9 +280,12 @@ LADAR_INLINE void TerrainPipeline::insertLocated(const FixedPoint* q, const Cell
   }
 }
 
+void TerrainPipeline::updateAllVoxels() {
+  affected_.assignAll(map_.shape().nx, map_.shape().ny);
+  updateVoxels();
+}
+
 void TerrainPipeline::updateVoxels() {
-  affected_.assignAffected(map_, stack_[0].box.radius_xy);
-  map_.forgetChanges();
   saliencies_.resize(map_.slotBound());
   classifications_.resize(map_.slotBound());
   const std::vector<int> rows = shareRows(map_, affected_, pool_.size());
@@ -295,6 +300,7 @@ void TerrainPipeline::updateVoxels() {
     classifiers[share].flush();
   });
   double classify_ms = 0.0;
+  report_.updated_voxels = 0;
   for (const VoxelClassifier& classifier : classifiers) {
     report_.updated_voxels += classifier.voxelsDone();
     classify_ms += classifier.milliseconds() / pool_.size();

@@ -38,16 +38,16 @@ class alignas(64) Moments {
   }
 
   LADAR_INLINE Moments& operator+=(const Moments& other) {
-    words() += other.words();
+    for (int i = 0; i < 8; ++i) word_[i] += other.word_[i];
     return *this;
   }
   LADAR_INLINE Moments& operator-=(const Moments& other) {
-    words() -= other.words();
+    for (int i = 0; i < 8; ++i) word_[i] -= other.word_[i];
     return *this;
   }
   /// Every point counts `weight` times. Sums of what is weighted must still fit (see the class).
   LADAR_INLINE Moments& operator*=(uint32_t weight) {
-    words() *= weight;
+    for (uint64_t& word : word_) word *= weight;
     return *this;
   }
   bool operator==(const Moments& other) const {
@@ -89,13 +89,6 @@ class alignas(64) Moments {
   }
 
  private:
-  // All eight words as one vector of whatever instructions there are: left to itself, the compiler
-  // takes a sum that lives in registers apart into eight numbers.
-  using Words [[gnu::vector_size(64), gnu::may_alias]] = uint64_t;
-
-  LADAR_INLINE Words& words() { return *reinterpret_cast<Words*>(word_); }
-  LADAR_INLINE const Words& words() const { return *reinterpret_cast<const Words*>(word_); }
-
   // n + (Sx << 32), Sy + (Sz << 32), Sxx, Sxy, Sxz, Syy, Syz, Szz
   uint64_t word_[8] = {};
 };

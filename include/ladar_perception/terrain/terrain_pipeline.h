@@ -64,6 +64,9 @@ class TerrainPipeline {
   const ScanReport& process(const CloudView& cloud, const PointFields& fields,
                             const std::vector<float>& time_offsets_s, const SensorMotion& motion,
                             const Eigen::Vector3d& p_map_vehicle, double stamp_s = 0.0);
+  /// Computes every voxel anew, not only those a scan has changed. Changes nothing that is known;
+  /// for measuring, and to compare with.
+  void updateAllVoxels();
   /// Forgets all points.
   void reset();
 
@@ -89,6 +92,7 @@ class TerrainPipeline {
   void drop(PointDrop reason) { ++report_.dropped[static_cast<int>(reason)]; }
   void scrollTo(const Eigen::Vector3d& p_map_vehicle);
   void forgetOldPoints(double stamp_s);
+  /// Of the columns in `affected_`.
   void updateVoxels();
   void labelPoints();
   std::size_t memoryBytes() const;
