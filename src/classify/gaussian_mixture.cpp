@@ -40,15 +40,16 @@ std::string componentError(const GaussianComponent& component, int features) {
 
 /// Log density of one weighted Gaussian; `features` are rows of kSize lanes.
 LADAR_INLINE void logDensity(const float* __restrict__ features, float log_scale,
-                             const float* __restrict__ mean, const float* __restrict__ whitening,
+                             const float* __restrict__ offset, const float* __restrict__ whitening,
                              int feature_count, float* __restrict__ log_density) {
   float squared[kSize] = {};
   const float* w = whitening;
   for (int i = 0; i < feature_count; ++i) {
-    float whitened[kSize] = {};
+    float whitened[kSize];
+    std::fill_n(whitened, kSize, -offset[i]);
     for (int j = 0; j <= i; ++j, ++w) {
       const float* __restrict__ value = features + j * kSize;
-      for (int lane = 0; lane < kSize; ++lane) whitened[lane] += *w * (value[lane] - mean[j]);
+      for (int lane = 0; lane < kSize; ++lane) whitened[lane] += *w * value[lane];
     }
     for (int lane = 0; lane < kSize; ++lane) squared[lane] += whitened[lane] * whitened[lane];
   }
@@ -59,10 +60,29 @@ LADAR_INLINE void logDensity(const float* __restrict__ features, float log_scale
   }
 }
 
+/// Lane by lane, the logarithm of the sum of the densities; `greatest` is the greatest of them.
+LADAR_INLINE void logSumExp(const float (*log_density)[kSize], std::size_t count,
+                            const float* __restrict__ greatest, float* __restrict__ log_sum) {
+  float sum[kSize] = {};
+  for (std::size_t c = 0; c < count; ++c) {
+    const float* __restrict__ density = log_density[c];
+    for (int lane = 0; lane < kSize; ++lane) {
+      sum[lane] += block_math::expNegative(density[lane] - greatest[lane]);
+    }
+  }
+  for (int lane = 0; lane < kSize; ++lane) {
+    log_sum[lane] = greatest[lane] + block_math::logPositive(sum[lane]);
+  }
+}
+
 }  // namespace
 
 std::string GaussianMixture::error(const std::vector<GaussianComponent>& components, int features) {
   if (components.empty()) return "has no components";
+  if (components.size() > kMaxComponents) {
+    return "has " + std::to_string(components.size()) + " components, expected at most " +
+           std::to_string(kMaxComponents);
+  }
   double weights = 0.0;
   for (std::size_t i = 0; i < components.size(); ++i) {
     const std::string problem = componentError(components[i], features);
@@ -87,7 +107,7 @@ GaussianMixture::GaussianMixture(const std::vector<GaussianComponent>& component
         static_cast<float>(std::log(component.weight) - 0.5 * static_cast<double>(n) * kLog2Pi -
                            l.diagonal().array().log().sum());
     for (Eigen::Index i = 0; i < n; ++i) {
-      kernel.mean.push_back(static_cast<float>(component.mean[i]));
+      kernel.offset.push_back(static_cast<float>(inverse.row(i).dot(component.mean)));
       for (Eigen::Index j = 0; j <= i; ++j) {
         kernel.whitening.push_back(static_cast<float>(inverse(i, j)));
       }
@@ -97,18 +117,20 @@ GaussianMixture::GaussianMixture(const std::vector<GaussianComponent>& component
 }
 
 void GaussianMixture::logLikelihood(const FeatureBlock& block, float* log_likelihood) const {
+  assert(kernels_.size() <= kMaxComponents);
   dispatch([&]() LADAR_INLINE_LAMBDA {
-    float log_density[kSize];
+    float log_density[kMaxComponents][kSize];
+    float greatest[kSize];
+    std::fill_n(greatest, kSize, kLeastLogDensity);
     for (std::size_t c = 0; c < kernels_.size(); ++c) {
       const Kernel& kernel = kernels_[c];
-      logDensity(block.row(0), kernel.log_scale, kernel.mean.data(), kernel.whitening.data(),
-                 static_cast<int>(kernel.mean.size()), log_density);
-      if (c == 0) {
-        std::copy_n(log_density, kSize, log_likelihood);
-      } else {
-        block_math::logAddExp<kSize>(log_density, log_likelihood);
+      logDensity(block.row(0), kernel.log_scale, kernel.offset.data(), kernel.whitening.data(),
+                 static_cast<int>(kernel.offset.size()), log_density[c]);
+      for (int lane = 0; lane < kSize; ++lane) {
+        greatest[lane] = std::max(greatest[lane], log_density[c][lane]);
       }
     }
+    logSumExp(log_density, kernels_.size(), greatest, log_likelihood);
   });
 }
 

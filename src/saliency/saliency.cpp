@@ -134,18 +134,6 @@ Saliency saliencyOf(const CenteredMoments& moments, double step_m) {
   return result;
 }
 
-SaliencyF SaliencyBlock::at(int i) const {
-  SaliencyF result;
-  result.points = points[i];
-  result.defined = defined[i] != 0;
-  result.scatter = scatter[i];
-  result.surface = surface[i];
-  result.linear = linear[i];
-  result.normal = {normal[0][i], normal[1][i], normal[2][i]};
-  result.tangent = {tangent[0][i], tangent[1][i], tangent[2][i]};
-  return result;
-}
-
 void SaliencyBlock::set(int i, const SaliencyF& saliency) {
   points[i] = saliency.points;
   defined[i] = saliency.defined ? 1U : 0U;

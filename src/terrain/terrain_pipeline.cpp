@@ -80,6 +80,11 @@ class TerrainPipeline::VoxelClassifier {
     const VoxelIndex& min = map_.minCorner();
     voxels_[count_] = {min.x + x, min.y + y, min.z + z};
     slots_[count_] = static_cast<uint32_t>(slot);
+    // Where the results go is on its way from memory until the block is full.
+    const SaliencyF* saliency = &pipeline_.saliencies_[slot];
+    __builtin_prefetch(saliency, 1);
+    __builtin_prefetch(reinterpret_cast<const char*>(saliency + 1) - 1, 1);
+    __builtin_prefetch(&pipeline_.classifications_[slot], 1);
     return sums_[count_++];
   }
 
@@ -89,7 +94,8 @@ class TerrainPipeline::VoxelClassifier {
     points_[count_ - 1] = sums[0].count();
   }
 
-  void flush() {
+  /// Out of the way of the loop over sums, which it would make slower.
+  __attribute__((noinline)) void flush() {
     const auto begin = Clock::now();
     classifyBlock();
     voxels_done_ += count_;
@@ -114,7 +120,7 @@ class TerrainPipeline::VoxelClassifier {
     const auto least = static_cast<uint32_t>(pipeline_.config_.min_support_points);
     for (int i = 0; i < count_; ++i) {
       const bool supported = block_.defined[i] != 0 && block_.points[i] >= least;
-      pipeline_.saliencies_[slots_[i]] = block_.at(i);
+      block_.get(i, &pipeline_.saliencies_[slots_[i]]);
       pipeline_.classifications_[slots_[i]] = supported ? classified[i] : Classification();
     }
   }

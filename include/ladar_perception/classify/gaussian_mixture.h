@@ -36,9 +36,11 @@ class FeatureBlock {
 /// log p(features) of a mixture of Gaussians with full covariances.
 class GaussianMixture {
  public:
+  static constexpr std::size_t kMaxComponents = 64;
+
   /// Why the components are no mixture over `features` features, or "": weights are positive and
-  /// sum to 1, means and covariances are finite and of that size, covariances are symmetric and
-  /// positive definite.
+  /// sum to 1, there are at most kMaxComponents, means and covariances are finite and of that size,
+  /// covariances are symmetric and positive definite.
   static std::string error(const std::vector<GaussianComponent>& components, int features);
 
   /// `components` for which `error` is empty.
@@ -51,8 +53,8 @@ class GaussianMixture {
  private:
   struct Kernel {
     float log_scale;               // log weight - 1/2 log det(2 pi covariance)
-    std::vector<float> mean;       // per feature
-    std::vector<float> whitening;  // lower triangle by rows of L^-1, covariance = L L^T
+    std::vector<float> offset;     // L^-1 mean, per feature; covariance = L L^T
+    std::vector<float> whitening;  // lower triangle of L^-1 by rows
   };
 
   std::vector<Kernel> kernels_;

@@ -89,10 +89,45 @@ class alignas(64) Moments {
   }
 
  private:
+  template <int kBytes>
+  friend class MomentsInRegisters;
+
   // n + (Sx << 32), Sy + (Sz << 32), Sxx, Sxy, Sxz, Syy, Syz, Szz
   uint64_t word_[8] = {};
 };
 static_assert(sizeof(Moments) == 64, "one record is one cache line");
+
+/// Moments that are added to many times, within `dispatchWide`: in vectors of kBytes, which the
+/// compiler keeps in registers. (Eight words it may take apart into eight numbers, and a vector
+/// wider than the level's it keeps in memory.)
+template <int kBytes>
+class MomentsInRegisters {
+ public:
+  LADAR_INLINE MomentsInRegisters& operator+=(const Moments& other) {
+    for (int i = 0; i < kVectors; ++i) vectors_[i] += of(other)[i];
+    return *this;
+  }
+  LADAR_INLINE MomentsInRegisters& operator-=(const Moments& other) {
+    for (int i = 0; i < kVectors; ++i) vectors_[i] -= of(other)[i];
+    return *this;
+  }
+  /// *result = *this + other
+  LADAR_INLINE void addTo(const Moments& other, Moments* result) const {
+    for (int i = 0; i < kVectors; ++i) {
+      reinterpret_cast<Vector*>(result->word_)[i] = vectors_[i] + of(other)[i];
+    }
+  }
+
+ private:
+  using Vector [[gnu::vector_size(kBytes), gnu::may_alias]] = uint64_t;
+  static constexpr int kVectors = static_cast<int>(sizeof(Moments)) / kBytes;
+
+  LADAR_INLINE static const Vector* of(const Moments& moments) {
+    return reinterpret_cast<const Vector*>(moments.word_);
+  }
+
+  Vector vectors_[kVectors] = {};
+};
 
 /// Centre of a voxel, the reference its moments are read about.
 LADAR_INLINE FixedPoint centerOf(const VoxelIndex& voxel) {

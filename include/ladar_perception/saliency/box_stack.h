@@ -60,12 +60,12 @@ class BoxStackSums {
   /// with one sum per box, in the order given.
   template <typename Map, typename Output>
   void compute(const Map& map, const ColumnSet& columns, int y_begin, int y_end, Output&& output) {
-    dispatch([&]() LADAR_INLINE_LAMBDA {
+    dispatchWide([&](auto width) LADAR_INLINE_LAMBDA {
       for (auto& window : windows_) window.begin(map, columns, y_begin);
       for (int y = y_begin; y < y_end; ++y) {
         for (std::size_t i = 0; i < windows_.size(); ++i) {
           RowOutput row{this, i};
-          windows_[i].computeRow(map, columns, y, row);
+          windows_[i].computeRow(map, columns, y, width, row);
           row_size_ = row.size;
         }
         for (std::size_t i = 0; i < row_size_; ++i) {

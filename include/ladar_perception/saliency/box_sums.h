@@ -23,6 +23,18 @@ struct SupportBox {
 /// The cube of k = 2 r + 1 voxels a side.
 constexpr SupportBox cube(int r) { return {r, r}; }
 
+/// A sum that is added to many times, where vectors are kBytes wide.
+template <typename Sum, int kBytes>
+struct SumInRegisters : Sum {
+  LADAR_INLINE void addTo(const Sum& other, Sum* result) const {
+    Sum sum = other;
+    sum += *this;
+    *result = sum;
+  }
+};
+template <int kBytes>
+struct SumInRegisters<Moments, kBytes> : MomentsInRegisters<kBytes> {};
+
 /// Sparse sliding sums: along y a plane of per-(x, z) sums gains one row of the map and loses one,
 /// along x a line of per-z sums gains and loses one column of that plane, along z the k entries of
 /// that line around the voxel are added up. Empty voxels cost nothing, and the work per voxel hardly
@@ -54,14 +66,14 @@ class SlidingBoxSums {
   /// asked for and their surroundings.
   template <typename Map, typename Output>
   void compute(const Map& map, const ColumnSet& columns, int y_begin, int y_end, Output&& output) {
-    dispatch([&]() LADAR_INLINE_LAMBDA {
+    dispatchWide([&](auto width) LADAR_INLINE_LAMBDA {
       begin(map, columns, y_begin);
-      for (int y = y_begin; y < y_end; ++y) computeRow(map, columns, y, output);
+      for (int y = y_begin; y < y_end; ++y) computeRow(map, columns, y, width, output);
       end(map, y_end);
     });
   }
 
-  // The same in steps, for several supports at once, within `dispatch`: begin, every row from
+  // The same in steps, for several supports at once, within `dispatchWide`: begin, every row from
   // y_begin to y_end - 1, end.
   template <typename Map>
   LADAR_INLINE void begin(const Map& map, const ColumnSet& columns, int y_begin) {
@@ -70,11 +82,12 @@ class SlidingBoxSums {
       withWords([&](auto words) LADAR_INLINE_LAMBDA { addRow<words()>(map, columns, y); });
     }
   }
-  template <typename Map, typename Output>
-  LADAR_INLINE void computeRow(const Map& map, const ColumnSet& columns, int y, Output& output) {
+  template <typename Map, typename Width, typename Output>
+  LADAR_INLINE void computeRow(const Map& map, const ColumnSet& columns, int y, Width /*width*/,
+                               Output& output) {
     withWords([&](auto words) LADAR_INLINE_LAMBDA {
       addRow<words()>(map, columns, y + box_.radius_xy);
-      sumRow<words()>(columns, y, output);
+      sumRow<words(), Width::value>(columns, y, output);
       subtractRow<words()>(map, y - box_.radius_xy);
     });
   }
@@ -227,7 +240,7 @@ class SlidingBoxSums {
   }
 
   /// Sums around every voxel of `columns` in row y, a few columns of the map at a time.
-  template <int kWords, typename Output>
+  template <int kWords, int kBytes, typename Output>
   LADAR_INLINE void sumRow(const ColumnSet& columns, int y, Output& output) {
     const Row& row = rowAt(y);
     const uint64_t* active = columns.row(y);
@@ -250,7 +263,7 @@ class SlidingBoxSums {
         ++block_end;
       }
       line_x = static_cast<int>(block_end[-1].x);
-      slideLine<kWords>(begin_x, line_x + 1);
+      slideLine<kWords, kBytes>(begin_x, line_x + 1);
       for (; entry != block_end; ++entry) {
         if (!bit_mask::test(active, static_cast<int>(entry->x))) continue;
         output.place(entry->slot, static_cast<int>(entry->x), y, static_cast<int>(entry->z)) =
@@ -273,7 +286,7 @@ class SlidingBoxSums {
   /// Slides the line from column begin_x - 1 to end_x - 1. On the way `profiles_` gets, for each of
   /// the columns, the line's sums from below up to every height that any of them has (which are
   /// listed in `heights_`): then a sum along z is a difference.
-  template <int kWords>
+  template <int kWords, int kBytes>
   LADAR_INLINE void slideLine(int begin_x, int end_x) {
     const int r = box_.radius_xy;
     for (int word = 0; word < words<kWords>(); ++word) {
@@ -298,14 +311,12 @@ class SlidingBoxSums {
       const Sum* entering = planeColumn(x + r);
       const Sum* leaving = planeColumn(x - r - 1);
       Sum* next = profile + profile_size_;
-      Sum change;
-      next[0] = change;
+      next[0] = Sum();
+      SumInRegisters<Sum, kBytes> change;
       for (int i = 0; i < count; ++i) {
         change += entering[heights[i]];
         change -= leaving[heights[i]];
-        Sum here = profile[i + 1];
-        here += change;
-        next[i + 1] = here;
+        change.addTo(profile[i + 1], &next[i + 1]);
       }
       profile = next;
     }

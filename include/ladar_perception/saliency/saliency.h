@@ -8,6 +8,7 @@
 
 #include "ladar_perception/map/moments.h"
 #include "ladar_perception/saliency/eigen_symmetric3.h"
+#include "ladar_perception/util/dispatch.h"
 
 namespace ladar_perception {
 
@@ -51,7 +52,22 @@ struct SaliencyBlock {
   uint32_t points[kSize];
   uint32_t defined[kSize];  ///< 1 or 0
 
-  SaliencyF at(int i) const;
+  LADAR_INLINE void get(int i, SaliencyF* saliency) const {
+    saliency->points = points[i];
+    saliency->defined = defined[i] != 0;
+    saliency->scatter = scatter[i];
+    saliency->surface = surface[i];
+    saliency->linear = linear[i];
+    for (int axis = 0; axis < 3; ++axis) {
+      saliency->normal[axis] = normal[axis][i];
+      saliency->tangent[axis] = tangent[axis][i];
+    }
+  }
+  SaliencyF at(int i) const {
+    SaliencyF saliency;
+    get(i, &saliency);
+    return saliency;
+  }
   void set(int i, const SaliencyF& saliency);
 };
 

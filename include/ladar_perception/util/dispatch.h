@@ -2,6 +2,8 @@
 // Loops on whatever vector unit the CPU has: one binary, compiled once per level, chosen as it runs.
 #pragma once
 
+#include <type_traits>
+
 /// A function that must become part of every copy of the loop it is called from.
 #define LADAR_INLINE __attribute__((always_inline)) inline
 /// The same for a lambda, after its parameters.
@@ -21,6 +23,10 @@ VectorLevel bestVectorLevel();
 void limitVectorLevel(VectorLevel level);
 const char* vectorLevelName(VectorLevel level);
 
+/// Width of a level's vectors, as a constant.
+template <int kBytes>
+using VectorBytes = std::integral_constant<int, kBytes>;
+
 namespace dispatch_internal {
 
 #if defined(__x86_64__) && defined(__GNUC__)
@@ -28,23 +34,23 @@ namespace dispatch_internal {
 
 template <typename Body>
 __attribute__((target("avx2,bmi,bmi2,lzcnt,popcnt"), noinline)) void runAvx2(const Body& body) {
-  body();
+  body(VectorBytes<32>());
 }
 
 template <typename Body>
 __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw,avx2,bmi,bmi2,lzcnt,popcnt"),
                noinline)) void
 runAvx512(const Body& body) {
-  body();
+  body(VectorBytes<64>());
 }
 #endif
 
 }  // namespace dispatch_internal
 
-/// Calls `body`, a lambda without parameters marked LADAR_INLINE_LAMBDA, compiled for the level in
-/// use. What it calls is part of that copy only where it is inlined (LADAR_INLINE).
+/// Calls `body`, a lambda marked LADAR_INLINE_LAMBDA, compiled for the level in use, with the width
+/// of its vectors. What it calls is part of that copy only where it is inlined (LADAR_INLINE).
 template <typename Body>
-inline void dispatch(const Body& body) {
+inline void dispatchWide(const Body& body) {
 #ifdef LADAR_HAS_VECTOR_LEVELS
   switch (vectorLevel()) {
     case VectorLevel::kAvx512:
@@ -55,7 +61,13 @@ inline void dispatch(const Body& body) {
       break;
   }
 #endif
-  body();
+  body(VectorBytes<16>());
+}
+
+/// The same for a lambda without parameters.
+template <typename Body>
+inline void dispatch(const Body& body) {
+  dispatchWide([&](auto /*width*/) LADAR_INLINE_LAMBDA { body(); });
 }
 
 }  // namespace ladar_perception
