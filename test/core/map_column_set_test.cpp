@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ladar_perception/map/column_set.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "ladar_perception/map/column_set.h"
 #include "map_oracle.h"
 #include "test_random.h"
 
@@ -125,9 +124,8 @@ TEST_P(ColumnSetOfMap, NothingIsAffectedWithoutAChange) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, ColumnSetOfMap,
-                         testing::Values(MapShape{9, 12, 4}, MapShape{64, 5, 3},
-                                         MapShape{65, 7, 2}, MapShape{150, 3, 2},
-                                         MapShape{1, 1, 1}),
+                         testing::Values(MapShape{9, 12, 4}, MapShape{64, 5, 3}, MapShape{65, 7, 2},
+                                         MapShape{150, 3, 2}, MapShape{1, 1, 1}),
                          [](const auto& shape) { return test::shapeName(shape.param); });
 
 /// Occupied columns (x, 3) from x = 0.

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ladar_perception/map/evidence_slices.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "ladar_perception/map/evidence_slices.h"
 #include "map_oracle.h"
 #include "test_random.h"
 
@@ -134,8 +133,7 @@ TEST_P(EvidenceSlicesDrive, TheMapIsAFreshOneOfTheYoungPoints) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, EvidenceSlicesDrive,
-                         testing::Values(MapShape{7, 5, 3}, MapShape{12, 9, 70},
-                                         MapShape{1, 1, 1}),
+                         testing::Values(MapShape{7, 5, 3}, MapShape{12, 9, 70}, MapShape{1, 1, 1}),
                          [](const auto& shape) { return test::shapeName(shape.param); });
 
 TEST(EvidenceSlices, PointsLiveForSevenEighthsToOneLifetime) {

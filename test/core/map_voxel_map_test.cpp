@@ -561,9 +561,8 @@ TEST_P(VoxelMapSubtract, WorksAfterScrollsAndBeforeNewPoints) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, VoxelMapSubtract,
-                         testing::Values(MapShape{7, 5, 3}, MapShape{4, 3, 64},
-                                         MapShape{4, 3, 65}, MapShape{2, 2, 130},
-                                         MapShape{1, 1, 1}),
+                         testing::Values(MapShape{7, 5, 3}, MapShape{4, 3, 64}, MapShape{4, 3, 65},
+                                         MapShape{2, 2, 130}, MapShape{1, 1, 1}),
                          [](const auto& shape) { return test::shapeName(shape.param); });
 
 TEST(VoxelMap, DrawnPicturesBeforeAndAfterASubtraction) {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ladar_perception/saliency/box_sum_strategy.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include <vector>
 
 #include "box_sum_scene.h"
+#include "ladar_perception/saliency/box_sum_strategy.h"
 #include "map_oracle.h"
 
 namespace ladar_perception {
@@ -93,9 +92,8 @@ TEST(BoxSumStrategy, EveryVectorLevelGivesTheSameBits) {
       const auto strategy = makeBoxSumStrategy(name);
       strategy->load(scene.map);
       strategy->compute(3, &pool, &sums);
-      const bool same = std::all_of(expected.begin(), expected.end(), [&](const ExpectedSum& e) {
-        return sums[e.slot] == e.sum;
-      });
+      const bool same = std::all_of(expected.begin(), expected.end(),
+                                    [&](const ExpectedSum& e) { return sums[e.slot] == e.sum; });
       EXPECT_TRUE(same) << name << " at " << vectorLevelName(level);
     }
   }
@@ -178,8 +176,8 @@ TEST(ReuseStatistics, ARowIsOneApartAlongItselfAndAloneAcross) {
 
 TEST(ReuseStatistics, GapsAreDistancesAndFarOnesGoIntoTheLastBucket) {
   // X: none, 3, 1, 5, 31, 32 (too far to tell)
-  const VoxelMap map = mapOf(
-      {73, 1, 1}, {{0, 0, 0}, {3, 0, 0}, {4, 0, 0}, {9, 0, 0}, {40, 0, 0}, {72, 0, 0}});
+  const VoxelMap map =
+      mapOf({73, 1, 1}, {{0, 0, 0}, {3, 0, 0}, {4, 0, 0}, {9, 0, 0}, {40, 0, 0}, {72, 0, 0}});
   const ReuseStatistics statistics = reuseStatistics(map, ScanAxis::kX);
   expectHistogram(statistics, {{3, 1}, {1, 1}, {5, 1}, {31, 1}}, 2);
   EXPECT_EQ(statistics.reuseShare(1), 0.0);
@@ -189,7 +187,7 @@ TEST(ReuseStatistics, GapsAreDistancesAndFarOnesGoIntoTheLastBucket) {
   EXPECT_EQ(statistics.reuseShare(5), 1.0 / 6.0);  // X <= 2
   EXPECT_EQ(statistics.reuseShare(7), 2.0 / 6.0);  // X <= 3
   EXPECT_EQ(statistics.meanDistance(7), 2.0);
-  EXPECT_EQ(statistics.reuseShare(9), 2.0 / 6.0);  // X <= 4
+  EXPECT_EQ(statistics.reuseShare(9), 2.0 / 6.0);   // X <= 4
   EXPECT_EQ(statistics.reuseShare(11), 3.0 / 6.0);  // X <= 5
   EXPECT_EQ(statistics.meanDistance(11), 3.0);
   EXPECT_EQ(statistics.reuseShare(63), 4.0 / 6.0);  // X <= 31
@@ -209,10 +207,10 @@ std::vector<VoxelIndex> voxelsOf(const std::vector<std::string>& rows) {
 
 TEST(ReuseStatistics, TheBestOfThreeOfADrawnMap) {
   const std::vector<VoxelIndex> voxels = voxelsOf({
-      "#..#",   //  x: -, 3      y: -, -      best: -, 3
-      "....",   //
-      "##.#",   //  x: -, 1, 2   y: 2, -, 2   best: 2, 1, 2
-      ".#..",   //  x: -         y: 1         best: 1
+      "#..#",  //  x: -, 3      y: -, -      best: -, 3
+      "....",  //
+      "##.#",  //  x: -, 1, 2   y: 2, -, 2   best: 2, 1, 2
+      ".#..",  //  x: -         y: 1         best: 1
   });
   const VoxelMap map = mapOf({4, 4, 2}, voxels);
   expectHistogram(reuseStatistics(map, ScanAxis::kX), {{1, 1}, {2, 1}, {3, 1}}, 3);

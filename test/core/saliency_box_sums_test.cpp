@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ladar_perception/saliency/box_sums.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,14 +10,15 @@
 #include <vector>
 
 #include "box_sum_scene.h"
+#include "ladar_perception/saliency/box_sums.h"
 #include "ladar_perception/util/thread_pool.h"
 #include "map_oracle.h"
 
 namespace ladar_perception {
 namespace {
 
-using test::BoxSumScene;
 using test::boxSumByLookUp;
+using test::BoxSumScene;
 
 /// A sum that is no Moments: how many voxels are occupied.
 struct OccupiedCount {
@@ -79,8 +78,7 @@ typename Collector<Sum>::Sums expectedIn(const BoxSumScene& scene, const ColumnS
   const VoxelIndex& min = scene.map.minCorner();
   scene.map.forEachVoxel([&](const VoxelIndex& v, std::size_t /*slot*/) {
     if (!columns.contains(v.x - min.x, v.y - min.y)) return;
-    expected[{v.y - min.y, v.x - min.x, v.z - min.z}] =
-        boxSumByLookUp<Sum>(scene.oracle, v, box);
+    expected[{v.y - min.y, v.x - min.x, v.z - min.z}] = boxSumByLookUp<Sum>(scene.oracle, v, box);
   });
   return expected;
 }
@@ -105,8 +103,7 @@ ColumnSet someColumns(BoxSumScene* scene, int one_in) {
 }
 
 template <typename Sum>
-void expectIn(const BoxSumScene& scene, const ColumnSet& columns,
-                   SlidingBoxSums<Sum>* box_sums) {
+void expectIn(const BoxSumScene& scene, const ColumnSet& columns, SlidingBoxSums<Sum>* box_sums) {
   Collector<Sum> collector(scene.map);
   box_sums->compute(scene.map, columns, 0, scene.map.shape().ny, collector);
   ASSERT_EQ(collector.take() == expectedIn<Sum>(scene, columns, box_sums->box()), true)
@@ -213,8 +210,7 @@ TEST(BoxSumsReuse, BuffersOfEarlierMapsLeaveNoTrace) {
   for (int step = 0; step < 12; ++step) {
     scene.fill(step % 4 == 0 ? "planar" : "random");
     scene.scrollTo({step, -2 * step, step % 2});
-    const ColumnSet columns =
-        step % 3 == 0 ? someColumns(&scene, 4) : allColumns(scene.map);
+    const ColumnSet columns = step % 3 == 0 ? someColumns(&scene, 4) : allColumns(scene.map);
     ASSERT_NO_FATAL_FAILURE(expectIn(scene, columns, &box_sums)) << "step " << step;
     scene.scrollTo({step + 7, -2 * step, 0});
   }
@@ -225,8 +221,13 @@ TEST(BoxSumsReuse, BuffersOfEarlierMapsLeaveNoTrace) {
 
 TEST(BoxSumsReuse, MapsOfOtherShapesLeaveNoTrace) {
   SlidingBoxSums<Moments> box_sums(cube(2));
-  for (const MapShape& shape : {MapShape{9, 9, 70}, {9, 4, 70}, {9, 14, 70}, {9, 14, 5},
-                                {80, 14, 5}, {3, 4, 130}, {9, 9, 70}}) {
+  for (const MapShape& shape : {MapShape{9, 9, 70},
+                                {9, 4, 70},
+                                {9, 14, 70},
+                                {9, 14, 5},
+                                {80, 14, 5},
+                                {3, 4, 130},
+                                {9, 9, 70}}) {
     BoxSumScene scene(shape, {3, -4, 5});
     scene.fill("random");
     ASSERT_NO_FATAL_FAILURE(expectIn(scene, allColumns(scene.map), &box_sums))

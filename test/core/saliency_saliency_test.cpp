@@ -6,16 +6,21 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <vector>
 
+#include "support_volumes.h"
 #include "test_random.h"
 
 namespace ladar_perception {
 namespace {
 
 using Eigen::Vector3d;
+using test::SupportVolume;
 using test::TestRandom;
+using test::VolumeKind;
+using test::VolumeMaker;
 
 constexpr double kVoxelSize_m = 0.1;
 constexpr double kStep_m = kVoxelSize_m / static_cast<double>(kStepsPerVoxel);
@@ -249,6 +254,170 @@ TEST(Saliency, IsNeverNegativeOnTheFlattestThings) {
     ASSERT_GE(s.normal.z(), 0.0);
     ASSERT_GE(s.tangent.z(), 0.0);
   }
+}
+
+/// Of one volume alone.
+SaliencyF saliencyInBlock(const SupportVolume& volume) {
+  SaliencyBlock block;
+  saliencyOfBlock(&volume.sum, &volume.voxel, 1, kStep_m, &block);
+  return block.at(0);
+}
+
+Saliency saliencyOfVolume(const SupportVolume& volume) {
+  return saliencyOf(volume.sum.about(centerOf(volume.voxel)), kStep_m);
+}
+
+void expectNothing(const SaliencyF& saliency) {
+  ASSERT_FALSE(saliency.defined);
+  ASSERT_EQ(saliency.scatter, 0.0F);
+  ASSERT_EQ(saliency.surface, 0.0F);
+  ASSERT_EQ(saliency.linear, 0.0F);
+  ASSERT_EQ(saliency.normal, Eigen::Vector3f(0, 0, 0));
+  ASSERT_EQ(saliency.tangent, Eigen::Vector3f(0, 0, 0));
+}
+
+/// Angle between the lines along two vectors.
+double angleBetween(const Vector3d& a, const Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), std::abs(a.dot(b)));
+}
+
+constexpr int kRounds = 200;  // of every kind of volume
+
+class SaliencyOfBlock : public testing::TestWithParam<int> {
+ protected:
+  std::vector<SupportVolume> volumes() const {
+    TestRandom random(static_cast<uint64_t>(GetParam()) + 1);
+    VolumeMaker maker(&random);
+    std::vector<SupportVolume> volumes;
+    for (int i = 0; i < kRounds; ++i) {
+      volumes.push_back(maker.make(static_cast<VolumeKind>(GetParam())));
+    }
+    return volumes;
+  }
+};
+
+TEST_P(SaliencyOfBlock, HasTheEigenvaluesOfTheDoubleOneToAMillionth) {
+  for (const SupportVolume& volume : volumes()) {
+    const SaliencyF found = saliencyInBlock(volume);
+    const Saliency exact = saliencyOfVolume(volume);
+    ASSERT_EQ(found.points, exact.points);
+    ASSERT_EQ(found.defined, exact.defined);
+    const double l1 = exact.scatter + exact.surface;
+    const double l2 = l1 + exact.linear;
+    const double found_l1 = double{found.scatter} + double{found.surface};
+    ASSERT_NEAR(found.scatter, exact.scatter, 1e-6 * l2);
+    ASSERT_NEAR(found_l1, l1, 1e-6 * l2);
+    ASSERT_NEAR(found_l1 + double{found.linear}, l2, 1e-6 * l2);
+    ASSERT_GE(found.scatter, 0.0F);
+    ASSERT_GE(found.surface, 0.0F);
+    ASSERT_GE(found.linear, 0.0F);
+  }
+}
+
+TEST_P(SaliencyOfBlock, HasUnitDirectionsThatPointUp) {
+  for (const SupportVolume& volume : volumes()) {
+    const SaliencyF found = saliencyInBlock(volume);
+    if (!found.defined) continue;
+    ASSERT_NEAR(found.normal.cast<double>().norm(), 1.0, 1e-6);
+    ASSERT_NEAR(found.tangent.cast<double>().norm(), 1.0, 1e-6);
+    ASSERT_NEAR(found.normal.cast<double>().dot(found.tangent.cast<double>()), 0.0, 2e-6);
+    ASSERT_GE(found.normal.z(), 0.0F);
+    ASSERT_GE(found.tangent.z(), 0.0F);
+  }
+}
+
+TEST_P(SaliencyOfBlock, HasTheDirectionsOfTheDoubleOneWhereTheEigenvaluesTellThemApart) {
+  // The matrix is rounded by up to 1e-7 of l2; that turns an eigenvector by as much over the gap
+  // to the next eigenvalue, in l2.
+  constexpr double kError = 5e-7;
+  constexpr double kLeastGap = 1e-3;
+  for (const SupportVolume& volume : volumes()) {
+    const SaliencyF found = saliencyInBlock(volume);
+    if (!found.defined) continue;
+    const Saliency exact = saliencyOfVolume(volume);
+    const double l2 = exact.scatter + exact.surface + exact.linear;
+    const double normal_gap = exact.surface / l2;
+    const double tangent_gap = exact.linear / l2;
+    if (normal_gap > kLeastGap) {
+      ASSERT_LT(angleBetween(found.normal.cast<double>(), exact.normal), kError / normal_gap)
+          << "gap " << normal_gap;
+    }
+    if (tangent_gap > kLeastGap) {
+      ASSERT_LT(angleBetween(found.tangent.cast<double>(), exact.tangent), kError / tangent_gap)
+          << "gap " << tangent_gap;
+    }
+  }
+}
+
+TEST_P(SaliencyOfBlock, IsDefinedWherePointsSpanSomething) {
+  const auto kind = static_cast<VolumeKind>(GetParam());
+  const bool none = kind == VolumeKind::kEmpty || kind == VolumeKind::kOnePoint ||
+                    kind == VolumeKind::kTwoPoints || kind == VolumeKind::kAllEqual;
+  int defined = 0;
+  for (const SupportVolume& volume : volumes()) {
+    const SaliencyF found = saliencyInBlock(volume);
+    defined += found.defined ? 1 : 0;
+    if (found.defined) continue;
+    ASSERT_NO_FATAL_FAILURE(expectNothing(found));
+  }
+  if (none) {
+    EXPECT_EQ(defined, 0);
+  } else {
+    EXPECT_GT(defined, kRounds * 9 / 10);  // lines along (0, 0, 0) are points
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, SaliencyOfBlock, testing::Range(0, test::kVolumeKinds));
+
+/// The bits of one volume's results.
+bool sameBits(const SaliencyF& a, const SaliencyF& b) {
+  const auto same = [](const auto& x, const auto& y) {
+    return std::memcmp(&x, &y, sizeof(x)) == 0;
+  };
+  return a.points == b.points && a.defined == b.defined && same(a.scatter, b.scatter) &&
+         same(a.surface, b.surface) && same(a.linear, b.linear) && same(a.normal, b.normal) &&
+         same(a.tangent, b.tangent);
+}
+
+TEST(SaliencyBlock, PlaceAndCountDoNotMatter) {
+  TestRandom random(31);
+  VolumeMaker maker(&random);
+  for (const int count : {1, 2, 3, 15, 16, 17, 63, 64}) {
+    const std::vector<SupportVolume> volumes = maker.makeMany(count);
+    for (const int turn : {0, 1, 7}) {
+      std::vector<Moments> sums;
+      std::vector<VoxelIndex> voxels;
+      for (int i = 0; i < count; ++i) {
+        sums.push_back(volumes[(i + turn) % count].sum);
+        voxels.push_back(volumes[(i + turn) % count].voxel);
+      }
+      SaliencyBlock block;
+      std::memset(&block, 0xA5, sizeof(block));
+      saliencyOfBlock(sums.data(), voxels.data(), count, kStep_m, &block);
+      for (int i = 0; i < count; ++i) {
+        ASSERT_TRUE(sameBits(block.at(i), saliencyInBlock(volumes[(i + turn) % count])))
+            << "volume " << i << " of " << count << ", turned by " << turn;
+      }
+      for (int i = count; i < kSaliencyBlock; ++i) {
+        ASSERT_NO_FATAL_FAILURE(expectNothing(block.at(i))) << i << " of " << count;
+      }
+    }
+  }
+}
+
+TEST(SaliencyBlock, GivesBackWhatWasSet) {
+  TestRandom random(32);
+  VolumeMaker maker(&random);
+  const SaliencyF a = saliencyInBlock(maker.make(VolumeKind::kNoisyPlane));
+  const SaliencyF b = saliencyInBlock(maker.make(VolumeKind::kNoisyWire));
+  SaliencyBlock block = {};
+  block.set(0, a);
+  block.set(63, b);
+  block.set(5, a);
+  block.set(5, SaliencyF());
+  EXPECT_TRUE(sameBits(block.at(0), a));
+  EXPECT_TRUE(sameBits(block.at(63), b));
+  EXPECT_TRUE(sameBits(block.at(5), SaliencyF()));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "hand_model.h"
 #include "ladar_perception/terrain/terrain_pipeline.h"
+#include "terrain_comparisons.h"
 #include "terrain_scenes.h"
 
 namespace ladar_perception {
@@ -16,10 +17,14 @@ namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
+using test::expectSame;
+using test::expectSameLabels;
+using test::expectSameVoxels;
 using test::handModel;
 using test::kLinearLabel;
 using test::kScatterLabel;
 using test::kSurfaceLabel;
+using test::MixedScene;
 using test::processAt;
 using test::processPoints;
 using test::stepMiddle;
@@ -55,61 +60,6 @@ void expectConsistent(const TerrainPipeline& pipeline, std::size_t points) {
   }
   EXPECT_EQ(report.label_counts, counts);
 }
-
-void expectSame(const SaliencyF& a, const SaliencyF& b) {
-  ASSERT_EQ(a.points, b.points);
-  ASSERT_EQ(a.defined, b.defined);
-  ASSERT_EQ(a.scatter, b.scatter);
-  ASSERT_EQ(a.surface, b.surface);
-  ASSERT_EQ(a.linear, b.linear);
-  ASSERT_EQ(a.normal, b.normal);
-  ASSERT_EQ(a.tangent, b.tangent);
-}
-
-/// Slots of the occupied voxels, in the map's order.
-std::vector<std::pair<VoxelIndex, std::size_t>> listVoxels(const VoxelMap& map) {
-  std::vector<std::pair<VoxelIndex, std::size_t>> voxels;
-  map.forEachVoxel([&](const VoxelIndex& voxel, std::size_t slot) {
-    voxels.emplace_back(voxel, slot);
-  });
-  return voxels;
-}
-
-/// Everything two pipelines say of the map is the same, bit by bit.
-void expectSameVoxels(const TerrainPipeline& a, const TerrainPipeline& b) {
-  const auto voxels_a = listVoxels(a.map());
-  const auto voxels_b = listVoxels(b.map());
-  ASSERT_EQ(voxels_a.size(), voxels_b.size());
-  for (std::size_t i = 0; i < voxels_a.size(); ++i) {
-    ASSERT_EQ(voxels_a[i].first, voxels_b[i].first);
-    const std::size_t slot_a = voxels_a[i].second;
-    const std::size_t slot_b = voxels_b[i].second;
-    ASSERT_EQ(a.map().record(slot_a), b.map().record(slot_b));
-    ASSERT_EQ(a.classification(slot_a).label, b.classification(slot_b).label) << i;
-    ASSERT_EQ(a.classification(slot_a).confidence, b.classification(slot_b).confidence) << i;
-    ASSERT_NO_FATAL_FAILURE(expectSame(a.saliency(slot_a), b.saliency(slot_b))) << i;
-  }
-}
-
-void expectSameLabels(const TerrainPipeline& a, const TerrainPipeline& b) {
-  ASSERT_EQ(a.pointLabels().size(), b.pointLabels().size());
-  for (std::size_t i = 0; i < a.pointLabels().size(); ++i) {
-    ASSERT_EQ(a.pointLabels()[i].label, b.pointLabels()[i].label) << i;
-    ASSERT_EQ(a.pointLabels()[i].confidence, b.pointLabels()[i].confidence) << i;
-  }
-}
-
-/// Ground, a wire and leaves, in that order, around the sensor.
-struct MixedScene {
-  explicit MixedScene(int seed = 1) {
-    TestRandom random(seed);
-    for (const auto& part : {test::groundPoints(&random, 20000), test::wirePoints(&random, 1000),
-                             test::leafPoints(&random, 4000)}) {
-      points.insert(points.end(), part.begin(), part.end());
-    }
-  }
-  std::vector<Vector3d> points;
-};
 
 double shareOf(const TerrainPipeline& pipeline, std::size_t begin, std::size_t end, uint8_t label) {
   const auto& labels = pipeline.pointLabels();

@@ -56,25 +56,38 @@ inline std::vector<Eigen::Vector3d> leafPoints(TestRandom* random, int count) {
   return points;
 }
 
+/// Ground, a wire and leaves, in that order, around the sensor.
+struct MixedScene {
+  explicit MixedScene(int seed = 1) {
+    TestRandom random(seed);
+    for (const auto& part : {groundPoints(&random, 20000), wirePoints(&random, 1000),
+                             leafPoints(&random, 4000)}) {
+      points.insert(points.end(), part.begin(), part.end());
+    }
+  }
+  std::vector<Eigen::Vector3d> points;
+};
+
 /// Feeds points given in the sensor frame, all measured at the stamp.
 inline const ScanReport& processPoints(TerrainPipeline* pipeline, const CloudBuilder& cloud,
                                        const Eigen::Isometry3d& T_map_sensor,
                                        const Eigen::Vector3d& p_map_vehicle,
-                                       const std::vector<float>& time_offsets_s = {}) {
+                                       const std::vector<float>& time_offsets_s = {},
+                                       double stamp_s = 0.0) {
   std::string error;
   const CloudView view = cloud.view();
   const auto fields = findPointFields(view, &error);
   return pipeline->process(view, *fields, time_offsets_s, SensorMotion(T_map_sensor),
-                           p_map_vehicle);
+                           p_map_vehicle, stamp_s);
 }
 
 /// A sensor without rotation at the vehicle's place.
 inline const ScanReport& processAt(TerrainPipeline* pipeline,
                                    const std::vector<Eigen::Vector3d>& p_sensor,
-                                   const Eigen::Vector3d& p_map_vehicle) {
+                                   const Eigen::Vector3d& p_map_vehicle, double stamp_s = 0.0) {
   Eigen::Isometry3d T_map_sensor = Eigen::Isometry3d::Identity();
   T_map_sensor.translation() = p_map_vehicle;
-  return processPoints(pipeline, xyzCloud(p_sensor), T_map_sensor, p_map_vehicle);
+  return processPoints(pipeline, xyzCloud(p_sensor), T_map_sensor, p_map_vehicle, {}, stamp_s);
 }
 
 }  // namespace ladar_perception::test
