@@ -2,6 +2,7 @@
 #include "ladar_perception/util/dispatch.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
@@ -25,13 +26,14 @@ VectorLevel levelOfCpu() {
 }
 
 VectorLevel levelAtStart() {
-  VectorLevel level = bestVectorLevel();
+  const VectorLevel level = bestVectorLevel();
   const char* wanted = std::getenv("LADAR_VECTOR_LEVEL");
+  if (wanted == nullptr) return level;
   for (const VectorLevel candidate : kLevels) {
-    if (wanted != nullptr && std::strcmp(wanted, vectorLevelName(candidate)) == 0) {
-      level = std::min(level, candidate);
-    }
+    if (std::strcmp(wanted, vectorLevelName(candidate)) == 0) return std::min(level, candidate);
   }
+  std::fprintf(stderr, "LADAR_VECTOR_LEVEL is '%s', expected baseline, avx2 or avx512: %s is used\n",
+               wanted, vectorLevelName(level));
   return level;
 }
 

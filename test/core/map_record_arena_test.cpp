@@ -57,7 +57,7 @@ TEST(RecordArena, KeepsTheRecordsAskedFor) {
   expectRun(arena, run, {2, 3, 4});
   arena.keep(&run, 0, 0);
   EXPECT_EQ(run.count, 0);
-  EXPECT_EQ(run.room_log2, -1);
+  EXPECT_EQ(run.room_class, -1);
 }
 
 /// A thousand runs changed at random, beside vectors that are changed the same way.

@@ -355,8 +355,7 @@ TEST_P(Reuse, WhatIsKnownIsWhatComputingAllAnewGives) {
   }
 }
 
-std::vector<DriveCase> kDriveCases = driveCases();
-INSTANTIATE_TEST_SUITE_P(Drives, Reuse, testing::ValuesIn(kDriveCases),
+INSTANTIATE_TEST_SUITE_P(Drives, Reuse, testing::ValuesIn(driveCases()),
                          [](const auto& drive) { return drive.param.name; });
 
 /// Occupied voxels within the support radius of one of the columns, along x and along y.

@@ -11,15 +11,20 @@
 
 namespace ladar_perception {
 
+/// Records a run of that class has room for: 1, 2, 3, 4, 6, 8, 12, 16, 24 ...
+constexpr uint32_t roomOf(int room_class) {
+  return room_class == 0 ? 1U : (2U + ((room_class - 1U) & 1U)) << ((room_class - 1U) / 2U);
+}
+
 /// Where a run of records lies.
 struct RecordRun {
   uint32_t offset = 0;
   uint16_t count = 0;
-  int8_t room_log2 = -1;  ///< room for 2^room_log2 records; -1: none
+  int8_t room_class = -1;  ///< room for roomOf(room_class) records; -1: none
 };
 
-/// Runs of records in one block of memory; a run's room is a power of two, and room given back is
-/// used again, so that a map that has reached its size allocates nothing any more. `Record` is any
+/// Runs of records in one block of memory; a run's room is one of a few sizes, and room given back
+/// is used again, so that a map that has reached its size allocates nothing any more. `Record` is any
 /// default-constructible, trivially copyable type.
 template <typename Record>
 class RecordArena {
@@ -34,7 +39,7 @@ class RecordArena {
   /// returns it. Invalidates pointers into the arena.
   Record& insert(RecordRun* run, uint32_t rank) {
     assert(rank <= run->count);
-    if (run->room_log2 < 0 || run->count == 1U << run->room_log2) grow(run);
+    if (run->room_class < 0 || run->count == roomOf(run->room_class)) grow(run);
     Record* first = records(*run);
     std::move_backward(first + rank, first + run->count, first + run->count + 1);
     first[rank] = Record();
@@ -46,7 +51,7 @@ class RecordArena {
   void keep(RecordRun* run, uint32_t first, uint32_t count) {
     assert(first + count <= run->count);
     if (count == 0) {
-      if (run->room_log2 >= 0) free_[run->room_log2].push_back(run->offset);
+      if (run->room_class >= 0) free_[run->room_class].push_back(run->offset);
       *run = RecordRun();
       return;
     }
@@ -67,24 +72,24 @@ class RecordArena {
   }
 
  private:
-  static constexpr int kClasses = 16;
+  static constexpr int kClasses = 22;
 
   void grow(RecordRun* run) {
     RecordRun larger;
-    larger.room_log2 = static_cast<int8_t>(run->room_log2 + 1);
-    larger.offset = allocate(larger.room_log2);
+    larger.room_class = static_cast<int8_t>(run->room_class + 1);
+    larger.offset = allocate(larger.room_class);
     larger.count = run->count;
     std::copy_n(records(*run), run->count, records(larger));
-    if (run->room_log2 >= 0) free_[run->room_log2].push_back(run->offset);
+    if (run->room_class >= 0) free_[run->room_class].push_back(run->offset);
     *run = larger;
   }
 
-  uint32_t allocate(int room_log2) {
-    assert(room_log2 < kClasses);
-    auto& offsets = free_[room_log2];
+  uint32_t allocate(int room_class) {
+    assert(room_class < kClasses);
+    auto& offsets = free_[room_class];
     if (offsets.empty()) {
       const std::size_t offset = storage_.size();
-      const std::size_t size = offset + (std::size_t{1} << room_log2);
+      const std::size_t size = offset + roomOf(room_class);
       // By quarters, not by doubling: maps are to fit into little memory.
       if (size > storage_.capacity()) storage_.reserve(size + size / 4);
       storage_.resize(size);
@@ -96,7 +101,7 @@ class RecordArena {
   }
 
   std::vector<Record> storage_;
-  std::array<std::vector<uint32_t>, kClasses> free_;  // offsets of free runs, by room_log2
+  std::array<std::vector<uint32_t>, kClasses> free_;  // offsets of free runs, by room_class
 };
 
 }  // namespace ladar_perception
