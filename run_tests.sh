@@ -9,10 +9,11 @@ cd "$(dirname "$(realpath "$0")")"
 
 step() { printf '== %s (%d s)\n' "$*" "$SECONDS"; }
 
-install_missing "${build_packages[@]}" "${run_packages[@]}" "${test_packages[@]}"
+install_missing "${build_packages[@]}" "${run_packages[@]}" "${test_packages[@]}" \
+  "${bench_packages[@]}"
 
 step "building"
-build build all "${build_options[@]}" -DCATKIN_ENABLE_TESTING=ON
+build build all "${build_options[@]}" -DCATKIN_ENABLE_TESTING=ON -DLADAR_BENCHMARKS=ON
 run_logged build/build_tests.log ninja -C build tests
 
 step "core, program and ROS tests, launch files"
@@ -50,6 +51,12 @@ step "catkin_lint, install space"
 # The two commands of the README are for a clone, not for an install space.
 check catkin_lint catkin_lint --strict -W1 --ignore uninstalled_script .
 check install_space scripts/check_install_space.sh build
+
+step "benchmarks run"
+once=(--benchmark_repetitions=1 --benchmark_display_aggregates_only=false)
+check bench_saliency build/bench_saliency "${once[@]}" \
+  --benchmark_filter='flat_ground/k:9|sums_to_labels/.*/flat_ground|(insert|neighbourhood)/.*/flat_ground'
+check bench_pipeline build/bench_pipeline "${once[@]}" --benchmark_filter='patch/points_per_s:100k'
 
 step "done"
 scripts/summarize_tests.py build/test_results build/check_results/sanitize.xml "${checks[@]}"
