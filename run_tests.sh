@@ -48,15 +48,16 @@ check() {
 }
 
 step "catkin_lint, install space"
-# The two commands of the README are for a clone, not for an install space.
-check catkin_lint catkin_lint --strict -W1 --ignore uninstalled_script .
+# The commands of the README and the benchmarks are for a clone, not for an install space.
+check catkin_lint catkin_lint --strict -W1 --ignore uninstalled_script \
+  --ignore uninstalled_target .
 check install_space scripts/check_install_space.sh build
 
 step "benchmarks run"
 once=(--benchmark_repetitions=1 --benchmark_display_aggregates_only=false)
-check bench_saliency build/bench_saliency "${once[@]}" \
+check bench_saliency devel/lib/ladar_perception/bench_saliency "${once[@]}" \
   --benchmark_filter='flat_ground/k:9|sums_to_labels/.*/flat_ground|(insert|neighbourhood)/.*/flat_ground'
-check bench_pipeline build/bench_pipeline "${once[@]}" --benchmark_filter='patch/points_per_s:100k'
+check bench_pipeline devel/lib/ladar_perception/bench_pipeline "${once[@]}" --benchmark_filter='patch/points_per_s:100k'
 
 step "done"
 scripts/summarize_tests.py build/test_results build/check_results/sanitize.xml "${checks[@]}"
