@@ -71,6 +71,10 @@ std::vector<std::string> TerrainConfig::validate() const {
   if (support_kernel != "box" && support_kernel != "gaussian") {
     violations.push_back("support_kernel: '" + support_kernel + "', expected box or gaussian");
   }
+  // Stamps count from 1970: over a much shorter lifetime their number is no 64-bit integer.
+  if (forget_after_s > 0.0 && forget_after_s < 1e-3) {
+    violations.emplace_back("forget_after_s: must be 0 or at least 0.001");
+  }
   if (forget_after_s > 0.0 && forget_after_scans > 0) {
     violations.emplace_back("forget_after_s, forget_after_scans: only one of them may be set");
   }

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ladar_perception/map/appearance_record.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "ladar_perception/map/appearance_record.h"
 #include "ladar_perception/map/column_set.h"
 #include "ladar_perception/map/voxel_map.h"
 #include "ladar_perception/saliency/box_stack.h"
@@ -41,9 +40,8 @@ struct ExpectedSums {
     const int64_t more[10] = {1, x, y, z, x * x, x * y, x * z, y * y, y * z, z * z};
     for (int i = 0; i < 10; ++i) moments[i] += more[i];
     const Appearance& a = point.appearance;
-    const uint64_t seen[6] = {a.intensity, uint64_t{a.intensity} * a.intensity,
-                              a.red,       a.green,
-                              a.blue,      a.returns};
+    const uint64_t seen[6] = {
+        a.intensity, uint64_t{a.intensity} * a.intensity, a.red, a.green, a.blue, a.returns};
     for (int i = 0; i < 6; ++i) appearance[i] += seen[i];
   }
   std::array<int64_t, 10> moments{};
@@ -53,12 +51,11 @@ struct ExpectedSums {
 void expectSums(const AppearanceRecord& found, const ExpectedSums& expected,
                 const FixedPoint& center) {
   const CenteredMoments m = found.moments().about(center);
-  const std::array<int64_t, 10> moments = {m.n,  m.x,  m.y,  m.z,  m.xx,
-                                           m.xy, m.xz, m.yy, m.yz, m.zz};
+  const std::array<int64_t, 10> moments = {m.n, m.x, m.y, m.z, m.xx, m.xy, m.xz, m.yy, m.yz, m.zz};
   ASSERT_EQ(moments, expected.moments);
   const AppearanceSums& s = found.sums();
-  const std::array<uint64_t, 6> appearance = {s.intensity, s.intensity_squared, s.red,
-                                              s.green,     s.blue,              s.returns};
+  const std::array<uint64_t, 6> appearance = {
+      s.intensity, s.intensity_squared, s.red, s.green, s.blue, s.returns};
   ASSERT_EQ(appearance, expected.appearance);
   ASSERT_EQ(found.count(), expected.moments[0]);
 }
@@ -222,6 +219,7 @@ TEST_P(AppearanceMaps, HaveBoxSumsThatAreThoseOfThePoints) {
     for (const VoxelIndex& move : moves) {
       drive.insertAround(150);
       drive.scrollBy(move.x, move.y, move.z);
+      drive.insertAround(150);
       const AppearanceMap& map = drive.map();
       ASSERT_GT(map.occupied(), 0U);
       const ColumnSet columns = allColumns(map);
@@ -233,8 +231,8 @@ TEST_P(AppearanceMaps, HaveBoxSumsThatAreThoseOfThePoints) {
         const ExpectedSums expected = drive.sumAround(voxel, box);
         const AppearanceRecord& sum = table.sums[slot];
         ASSERT_NO_FATAL_FAILURE(expectSums(sum, expected, centerOf(voxel)));
-        const double mean = static_cast<double>(expected.appearance[0]) /
-                            static_cast<double>(expected.moments[0]);
+        const double mean =
+            static_cast<double>(expected.appearance[0]) / static_cast<double>(expected.moments[0]);
         ASSERT_EQ(sum.meanIntensity(), mean);
         ASSERT_EQ(intensities.sums[slot].intensity, expected.appearance[0]);
         ASSERT_EQ(intensities.sums[slot].points, expected.moments[0]);
@@ -285,7 +283,8 @@ TEST(AppearanceRecord, TellsAWhiteStripeOnTheRoadFromTheRoad) {
   CellId cell = 0;
   for (int x = 0; x < 20; ++x) {
     for (int y = 0; y < 9; ++y) {
-      for (int i = 0; i < 3; ++i) map.insert(pointIn({x, y, 1}, 60 * i), &cell, y == 4 ? stripe : road);
+      for (int i = 0; i < 3; ++i)
+        map.insert(pointIn({x, y, 1}, 60 * i), &cell, y == 4 ? stripe : road);
     }
   }
   SlidingBoxSums<AppearanceRecord> box_sums(cube(1));

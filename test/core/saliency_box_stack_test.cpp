@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ladar_perception/saliency/box_stack.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,14 +12,15 @@
 #include <vector>
 
 #include "box_sum_scene.h"
+#include "ladar_perception/saliency/box_stack.h"
 #include "ladar_perception/util/thread_pool.h"
 #include "map_oracle.h"
 
 namespace ladar_perception {
 namespace {
 
-using test::BoxSumScene;
 using test::boxSumByLookUp;
+using test::BoxSumScene;
 using test::TestRandom;
 
 int radiusOf(const BoxStack& stack) { return stack[0].box.radius_xy; }
@@ -186,16 +185,15 @@ class FullSupport {
 };
 
 const std::vector<BoxStack>& someStacks() {
-  static const std::vector<BoxStack> kStacks = {
-      {{cube(0), 1}},
-      {{cube(1), 1}},
-      {{cube(4), 1}},
-      {{cube(2), 7}},
-      gaussianBoxStack(2),
-      gaussianBoxStack(4),
-      makeBoxStack({9.0, 5.0, 3.0, 1.0}, 9),
-      {{{3, 1}, 1}, {{1, 2}, 4}},
-      {{{1, 9}, 3}, {{2, 0}, 2}, {cube(0), 100}}};
+  static const std::vector<BoxStack> kStacks = {{{cube(0), 1}},
+                                                {{cube(1), 1}},
+                                                {{cube(4), 1}},
+                                                {{cube(2), 7}},
+                                                gaussianBoxStack(2),
+                                                gaussianBoxStack(4),
+                                                makeBoxStack({9.0, 5.0, 3.0, 1.0}, 9),
+                                                {{{3, 1}, 1}, {{1, 2}, 4}},
+                                                {{{1, 9}, 3}, {{2, 0}, 2}, {cube(0), 100}}};
   return kStacks;
 }
 
@@ -422,8 +420,8 @@ INSTANTIATE_TEST_SUITE_P(Maps, StackSums,
 TEST(StackSumsReuse, OtherMapsLeaveNoTrace) {
   const std::vector<SupportBox> boxes = {cube(2), {1, 1}};
   BoxStackSums<Moments> sums(boxes);
-  for (const MapShape& shape : {MapShape{9, 9, 70}, {9, 4, 70}, {9, 14, 5}, {80, 6, 5},
-                                {3, 4, 130}, {9, 9, 70}}) {
+  for (const MapShape& shape :
+       {MapShape{9, 9, 70}, {9, 4, 70}, {9, 14, 5}, {80, 6, 5}, {3, 4, 130}, {9, 9, 70}}) {
     BoxSumScene scene(shape, {3, -4, 5});
     scene.fill("random");
     for (int step = 0; step < 3; ++step) {

@@ -13,6 +13,7 @@
 #include "hand_model.h"
 #include "ladar_perception/terrain/terrain_pipeline.h"
 #include "terrain_comparisons.h"
+#include "terrain_recomputation.h"
 #include "terrain_scenes.h"
 
 namespace ladar_perception {
@@ -25,6 +26,7 @@ using test::expectSameVoxels;
 using test::groundPoints;
 using test::handModel;
 using test::kSurfaceLabel;
+using test::modelFor;
 using test::processAt;
 using test::processPoints;
 using test::stepMiddle;
@@ -238,7 +240,7 @@ TEST(Forgetting, IsOffByDefault) {
   look(&pipeline, 0, true, 100.0);
   const std::size_t voxels = personVoxels(pipeline);
   EXPECT_GT(voxels, 20U);
-  for (int scan = 1; scan < 60; ++scan) look(&pipeline, scan, false, 100.0 + 3600.0 * scan);
+  for (int scan = 1; scan < 30; ++scan) look(&pipeline, scan, false, 100.0 + 3600.0 * scan);
   EXPECT_EQ(personVoxels(pipeline), voxels);
 }
 
@@ -247,9 +249,9 @@ TEST(Forgetting, NeedsNoMoreMemoryAfterTheFirstLifetimes) {
   config.forget_after_scans = 16;
   TerrainPipeline pipeline(config, handModel());
   std::size_t bytes = 0;
-  for (int scan = 0; scan < 160; ++scan) {
+  for (int scan = 0; scan < 120; ++scan) {
     look(&pipeline, scan % 20, scan % 5 == 0);
-    if (scan == 80) bytes = pipeline.report().memory_bytes;
+    if (scan == 60) bytes = pipeline.report().memory_bytes;
   }
   EXPECT_GT(bytes, 0U);
   EXPECT_LE(pipeline.report().memory_bytes, bytes * 11 / 10);
@@ -260,7 +262,7 @@ TEST(Forgetting, NeedsNoMoreMemoryAfterTheFirstLifetimes) {
 class ForgetfulDrive {
  public:
   explicit ForgetfulDrive(const TerrainConfig& config)
-      : config_(config), pipeline_(config, modelOf(config)) {}
+      : config_(config), pipeline_(config, modelFor(config)) {}
 
   std::size_t forgotten() const { return forgotten_; }
   std::size_t scrolledOut() const { return scrolled_out_; }
@@ -285,7 +287,7 @@ class ForgetfulDrive {
     TerrainConfig config = config_;
     config.forget_after_s = 0.0;
     config.forget_after_scans = 0;
-    TerrainPipeline fresh(config, modelOf(config));
+    TerrainPipeline fresh(config, modelFor(config));
     std::size_t points = 0;
     for (const YoungScan& scan : scans_) {
       processPoints(&fresh, test::xyzCloud(scan.p_sensor), scan.T_map_sensor, place_);
@@ -303,12 +305,6 @@ class ForgetfulDrive {
     int64_t slice = 0;
   };
 
-  static ClassifierModel modelOf(const TerrainConfig& config) {
-    ClassifierModel model = handModel();
-    model.support_radius_voxels = config.support_radius_voxels;
-    model.support_kernel = config.support_kernel;
-    return model;
-  }
   void reset() {
     pipeline_.reset();
     scans_.clear();
@@ -423,7 +419,7 @@ class Forget : public testing::TestWithParam<DriveCase> {};
 
 TEST_P(Forget, TheMapIsThatOfAPipelineThatSawTheYoungPointsOnly) {
   ForgetfulDrive drive(GetParam().config);
-  for (int scan = 0; scan < 300; ++scan) {
+  for (int scan = 0; scan < 200; ++scan) {
     drive.step();
     ASSERT_NO_FATAL_FAILURE(drive.expectFresh()) << "scan " << scan;
   }

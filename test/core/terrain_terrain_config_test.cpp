@@ -78,6 +78,20 @@ TEST(TerrainConfig, ValuesReachTheirFields) {
   EXPECT_EQ(shape.nz, 25);
 }
 
+TEST(TerrainConfig, LifetimesTooShortToCountAreRefused) {
+  TerrainConfig config;
+  for (const double lifetime_s : {1e-300, 1e-9, 0.0009}) {
+    config.forget_after_s = lifetime_s;
+    const auto violations = config.validate();
+    ASSERT_EQ(violations.size(), 1U) << lifetime_s;
+    EXPECT_EQ(violations[0], "forget_after_s: must be 0 or at least 0.001");
+  }
+  for (const double lifetime_s : {0.0, 0.001, 86400.0}) {
+    config.forget_after_s = lifetime_s;
+    EXPECT_TRUE(config.validate().empty()) << lifetime_s;
+  }
+}
+
 TEST(TerrainConfig, UnknownKernelsAreRefused) {
   TerrainConfig config;
   config.support_kernel = "cone";

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <string>
@@ -13,6 +14,7 @@
 #include "ladar_perception/terrain/terrain_pipeline.h"
 #include "support_volumes.h"
 #include "terrain_comparisons.h"
+#include "terrain_recomputation.h"
 #include "terrain_scenes.h"
 #include "vector_level_limit.h"
 
@@ -64,10 +66,7 @@ struct PipelineRecord {
 };
 
 PipelineRecord drive(const TerrainConfig& config) {
-  ClassifierModel model = handModel();
-  model.support_radius_voxels = config.support_radius_voxels;
-  model.support_kernel = config.support_kernel;
-  TerrainPipeline pipeline(config, model);
+  TerrainPipeline pipeline(config, test::modelFor(config));
   PipelineRecord record;
   const Vector3d places[] = {{0, 0, 0}, {0.7, -0.3, 0.1}, {0.7, -0.3, 0.1}, {1e6, 1e6, -300}};
   for (int scan = 0; scan < 4; ++scan) {

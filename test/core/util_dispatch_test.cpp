@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ladar_perception/util/dispatch.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "ladar_perception/util/dispatch.h"
 #include "vector_level_limit.h"
 
 namespace ladar_perception {
@@ -35,9 +34,7 @@ TEST_P(VectorLevels, DispatchRunsTheBodyOnce) {
   int runs = 0;
   dispatch([&]() LADAR_INLINE_LAMBDA { ++runs; });
   EXPECT_EQ(runs, 1);
-  dispatch([&]() LADAR_INLINE_LAMBDA {
-    dispatch([&]() LADAR_INLINE_LAMBDA { ++runs; });
-  });
+  dispatch([&]() LADAR_INLINE_LAMBDA { dispatch([&]() LADAR_INLINE_LAMBDA { ++runs; }); });
   EXPECT_EQ(runs, 2);
 }
 

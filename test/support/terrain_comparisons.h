@@ -35,9 +35,8 @@ inline void expectSame(const SaliencyF& a, const SaliencyF& b) {
 /// Slots of the occupied voxels, in the map's order.
 inline std::vector<std::pair<VoxelIndex, std::size_t>> listVoxels(const VoxelMap& map) {
   std::vector<std::pair<VoxelIndex, std::size_t>> voxels;
-  map.forEachVoxel([&](const VoxelIndex& voxel, std::size_t slot) {
-    voxels.emplace_back(voxel, slot);
-  });
+  map.forEachVoxel(
+      [&](const VoxelIndex& voxel, std::size_t slot) { voxels.emplace_back(voxel, slot); });
   return voxels;
 }
 

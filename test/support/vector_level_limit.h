@@ -19,9 +19,7 @@ constexpr VectorLevel kVectorLevels[] = {VectorLevel::kBaseline, VectorLevel::kA
 /// No more than this vector level as long as the object lives.
 class VectorLevelLimit {
  public:
-  explicit VectorLevelLimit(VectorLevel level) : before_(vectorLevel()) {
-    limitVectorLevel(level);
-  }
+  explicit VectorLevelLimit(VectorLevel level) : before_(vectorLevel()) { limitVectorLevel(level); }
   ~VectorLevelLimit() { limitVectorLevel(before_); }
   VectorLevelLimit(const VectorLevelLimit&) = delete;
   VectorLevelLimit& operator=(const VectorLevelLimit&) = delete;

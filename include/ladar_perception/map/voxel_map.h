@@ -43,7 +43,8 @@ enum class InsertResult : uint8_t { kInserted, kOutside, kSaturated };
 ///   void add(const FixedPoint& q, const Payload&...);   one more point
 ///   Record& operator+=(const Record&), operator-=(const Record&);   exact
 ///   uint32_t count() const;   points in it
-/// `VoxelMap` holds the moments of the points.
+/// `VoxelMap` holds the moments of the points. AppearanceRecord (map/appearance_record.h) is an
+/// example with intensity and colour.
 ///
 /// A record's place in memory, its slot, stays what it is as long as its column does not change, so
 /// tables by slot can keep what was computed of a voxel. `changedColumns` tells which did.
@@ -121,7 +122,8 @@ class BasicVoxelMap {
   const Record* records(int column) const { return arena_.records(runs_[column]); }
 
   /// Columns of which a record was added, changed or removed since `forgetChanges` (some of them
-  /// more than once), among them columns that have left the window with all their records.
+  /// more than once), among them columns that have left the window with all their records. The list
+  /// grows until it is forgotten: whoever scrolls a map for long has to.
   const std::vector<ColumnIndex>& changedColumns() const { return changed_; }
   void forgetChanges();
 

@@ -73,7 +73,7 @@ struct SaliencyBlock {
 
 /// Saliencies of `count` <= kSaliencyBlock voxels from the sums over their support volumes; the
 /// rest of the block is undefined saliency. Scatter matrices are exact to double precision, then
-/// all is float32: eigenvalues are good to 3e-7 of l2. The same bits on every vector level and for
+/// all is float32: eigenvalues are good to 4e-7 of l2. The same bits on every vector level and for
 /// every place in a block.
 void saliencyOfBlock(const Moments* sums, const VoxelIndex* voxels, int count, double step_m,
                      SaliencyBlock* block);
