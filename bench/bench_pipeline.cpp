@@ -203,9 +203,12 @@ int main(int argc, char** argv) {
   namespace bench = ladar_perception::bench;
   const auto variants = bench::variants();
   for (const auto& variant : variants) {
-    benchmark::RegisterBenchmark(variant.name.c_str(), [&variant](benchmark::State& state) {
-      bench::latency(state, variant);
-    })->Unit(benchmark::kMillisecond)->UseManualTime()->Iterations(1);
+    benchmark::RegisterBenchmark(
+        variant.name.c_str(),
+        [&variant](benchmark::State& state) { bench::latency(state, variant); })
+        ->Unit(benchmark::kMillisecond)
+        ->UseManualTime()
+        ->Iterations(1);
   }
   return bench::runInterleaved(argc, argv);
 }

@@ -15,10 +15,10 @@ namespace ladar_perception::bench {
 /// the program's exit status.
 inline int runInterleaved(int argc, char** argv) {
   // Defaults first: of a flag that is given twice, the last counts.
-  std::vector<std::string> defaults = {
-      "--benchmark_enable_random_interleaving=true", "--benchmark_repetitions=3",
-      "--benchmark_min_time=0.05", "--benchmark_display_aggregates_only=true",
-      "--benchmark_counters_tabular=true"};
+  std::vector<std::string> defaults = {"--benchmark_enable_random_interleaving=true",
+                                       "--benchmark_repetitions=3", "--benchmark_min_time=0.05",
+                                       "--benchmark_display_aggregates_only=true",
+                                       "--benchmark_counters_tabular=true"};
   std::vector<char*> arguments = {argv[0]};
   for (std::string& flag : defaults) arguments.push_back(flag.data());
   arguments.insert(arguments.end(), argv + 1, argv + argc);

@@ -36,8 +36,8 @@ k = 9, one thread unless it says two. All strategies give the same bits.
 | k = 13 over k = 3 | {growth} |
 
 The prototypes this package started from put Algorithm 1 at 536 to 650 ns, and from there 25 times
-and 600 times (against the hash map) were hoped for. They are out of reach against rivals as careful as
-ours, not because the sliding sums are slower than the prototypes' 16 to 25 ns but because the rivals
+and 600 times (against the hash map) were hoped for. They are out of reach against rivals as careful
+as ours, not because the sliding sums are slower than the prototypes' 16 to 25 ns but because the rivals
 here are faster than theirs: Algorithm 1 has 64 instead of 80 bytes a voxel, unrolled loops over a
 padded grid and the vector unit, and takes those slices that are in the cache; the hash map is kept
 sparse. What limits the sliding sums is memory traffic and branches. A record is loaded, and an entry
@@ -70,8 +70,9 @@ sure already, so a point costs it little more than finding the leaf.
 
 {table}
 
-Thirty million a second were hoped for, and 15 times OctoMap's rate; the second is out of reach at what
-a descent of its tree costs here, because ours has a 64-byte record to fetch and nine sums to add to.
+Thirty million a second were hoped for, and 15 times OctoMap's rate; the second is out of reach at
+what a descent of its tree costs here, because ours has a 64-byte record to fetch and nine sums to
+add to.
 
 | memory of the layout, MB | {heads} |
 |---|{lines}
@@ -92,16 +93,16 @@ map, labels included; it answers for all points of the voxel at once).
 PIPELINE = """## The whole pipeline, per scan
 
 `bench_pipeline`: from the bytes of a cloud to the bytes of the labelled cloud, simulated forest at
-5 m/s, second half of 2 s. `ring` turns at 10 Hz and sees all around, `patch` looks ahead at 20 Hz. What a
-row does not vary is at 1.3 M points/s, 20 x 20 x 3 m, 10 cm, k = 9, one thread. *Updated* is the share of the
-voxels that had to be computed anew.
+5 m/s, second half of 2 s. `ring` turns at 10 Hz and sees all around, `patch` looks ahead at 20 Hz.
+What a row does not vary is at 1.3 M points/s, 20 x 20 x 3 m, 10 cm, k = 9, one thread. *Updated* is
+the share of the voxels that had to be computed anew.
 
 {table}
 
-Cost follows the points (insertion, labels) and the occupied voxels v that are updated (sums to labels);
-the volume n costs only a glance at every column, and k little: the sums themselves hardly know it, but
-a larger support is more often touched by a scan. Without re-use (`reuse:off`) all v are computed anew at
-every scan.
+Cost follows the points (insertion, labels) and the occupied voxels v that are updated (sums to
+labels); the volume n costs only a glance at every column, and k little: the sums themselves hardly
+know it, but a larger support is more often touched by a scan. Without re-use (`reuse:off`) all v are
+computed anew at every scan.
 """
 
 

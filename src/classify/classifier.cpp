@@ -70,8 +70,8 @@ void Classifier::classify(const FeatureBlock& block, int count, Classification* 
   });
   for (int i = 0; i < count; ++i) {
     const bool known = best_likelihood[i] >= unknown_log_likelihood_;
-    result[i] = known ? Classification{static_cast<uint8_t>(best[i] + 1), posterior[i]}
-                      : Classification();
+    result[i] =
+        known ? Classification{static_cast<uint8_t>(best[i] + 1), posterior[i]} : Classification();
   }
 }
 

@@ -97,8 +97,8 @@ std::optional<PointFields> findPointFields(const CloudView& cloud, std::string* 
   fields.x = *layout.find("x");
   fields.y = *layout.find("y");
   fields.z = *layout.find("z");
-  fields.time = findFirst(
-      layout, {"time", "t", "timestamp", "time_stamp", "offset_time", "time_offset"});
+  fields.time =
+      findFirst(layout, {"time", "t", "timestamp", "time_stamp", "offset_time", "time_offset"});
   fields.color = findFirst(layout, {"rgb", "rgba"});
   if (fields.color && scalarSize(fields.color->type) != 4) fields.color.reset();
   return fields;
@@ -120,8 +120,8 @@ void readPositions(const CloudView& cloud, const PointFields& fields,
   gather(cloud, fields.z, first + 2, 3);
 }
 
-bool readTimeOffsets(const CloudView& cloud, const Field& time, double stamp_s,
-                     double max_offset_s, std::vector<float>* offsets_s) {
+bool readTimeOffsets(const CloudView& cloud, const Field& time, double stamp_s, double max_offset_s,
+                     std::vector<float>* offsets_s) {
   std::vector<double> values;
   readScalars(cloud, time, &values);
   offsets_s->resize(values.size());

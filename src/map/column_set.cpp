@@ -58,8 +58,9 @@ void dilateBits(const uint64_t* in, int words, int radius, uint64_t* out) {
     const int bits = distance % 64;
     const auto at = [&](int word) { return word >= 0 && word < words ? in[word] : uint64_t{0}; };
     for (int word = 0; word < words; ++word) {
-      const uint64_t up = bits == 0 ? at(word - whole)
-                                    : at(word - whole) << bits | at(word - whole - 1) >> (64 - bits);
+      const uint64_t up = bits == 0
+                              ? at(word - whole)
+                              : at(word - whole) << bits | at(word - whole - 1) >> (64 - bits);
       const uint64_t down = bits == 0
                                 ? at(word + whole)
                                 : at(word + whole) >> bits | at(word + whole + 1) << (64 - bits);

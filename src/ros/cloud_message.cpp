@@ -130,8 +130,8 @@ sensor_msgs::PointCloud2Ptr makeLabeledMap(const TerrainPipeline& pipeline,
     if ((p_map - p_map_vehicle).head<2>().squaredNorm() > radius_m * radius_m) return;
     const SaliencyF& saliency = pipeline.saliency(slot);
     dense = dense && saliency.defined;
-    const MapPoint point = mapPoint(p_map, record.count(), saliency,
-                                    pipeline.classification(slot), pipeline.model());
+    const MapPoint point =
+        mapPoint(p_map, record.count(), saliency, pipeline.classification(slot), pipeline.model());
     const auto* bytes = reinterpret_cast<const uint8_t*>(&point);
     message->data.insert(message->data.end(), bytes, bytes + sizeof(point));
   });

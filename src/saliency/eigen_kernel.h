@@ -95,8 +95,7 @@ LADAR_INLINE Result<Scalar> solve(Scalar xx, Scalar xy, Scalar xz, Scalar yy, Sc
   const Scalar ox = yz * by_scale;
   const Scalar oy = xz * by_scale;
   const Scalar oz = xy * by_scale;
-  const Scalar p =
-      std::sqrt((dx * dx + dy * dy + dz * dz + 2 * (ox * ox + oy * oy + oz * oz)) / 6);
+  const Scalar p = std::sqrt((dx * dx + dy * dy + dz * dz + 2 * (ox * ox + oy * oy + oz * oz)) / 6);
   // A multiple of the identity: every vector is an eigenvector, B = 0 serves.
   const Scalar by_p = p > Scalar{1e-18F} ? 1 / p : Scalar{0};
   const Vector<Scalar> row_x = {dx * by_p, oz * by_p, oy * by_p};
@@ -106,10 +105,10 @@ LADAR_INLINE Result<Scalar> solve(Scalar xx, Scalar xy, Scalar xz, Scalar yy, Sc
   const Scalar half_determinant = Scalar{0.5} * dot(row_x, cross(row_y, row_z));
   const Scalar sign = half_determinant >= 0 ? Scalar{1} : Scalar{-1};
   const Scalar isolated = isolatedRoot(std::min(std::abs(half_determinant), Scalar{1}));
-  const Vector<Scalar> w = nullVector<Scalar>(
-      {sign * row_x.x - isolated, sign * row_x.y, sign * row_x.z},
-      {sign * row_y.x, sign * row_y.y - isolated, sign * row_y.z},
-      {sign * row_z.x, sign * row_z.y, sign * row_z.z - isolated});
+  const Vector<Scalar> w =
+      nullVector<Scalar>({sign * row_x.x - isolated, sign * row_x.y, sign * row_x.z},
+                         {sign * row_y.x, sign * row_y.y - isolated, sign * row_y.z},
+                         {sign * row_z.x, sign * row_z.y, sign * row_z.z - isolated});
   Vector<Scalar> u;
   Vector<Scalar> v;
   completeBasis(w, &u, &v);

@@ -14,7 +14,8 @@ constexpr int kSize = SaliencyBlock::kSize;
 
 /// Entry of the scatter matrix from sum(ab), sum(a), sum(b) about a place within the support
 /// volume. There a mean is below 128 k steps and the least variance that quantising leaves is 1/12:
-/// the difference loses nothing that counts. Both terms are the same number when all points are one.
+/// the difference loses nothing that counts. Both terms are the same number when all points are
+/// one.
 LADAR_INLINE double scatterEntry(double n, double ab, double a, double b, double by_n_squared) {
   return (n * ab - a * b) * by_n_squared;
 }
@@ -71,8 +72,7 @@ LADAR_INLINE void scatterOf(const MomentBlock& m, double step_m,
 
 LADAR_INLINE void solveBlock(const ScatterBlock& c, SaliencyBlock* __restrict__ out) {
   for (int i = 0; i < kSize; ++i) {
-    const auto r =
-        eigen_kernel::solve<float>(c.xx[i], c.xy[i], c.xz[i], c.yy[i], c.yz[i], c.zz[i]);
+    const auto r = eigen_kernel::solve<float>(c.xx[i], c.xy[i], c.xz[i], c.yy[i], c.yz[i], c.zz[i]);
     // Rounding can leave a negative number where the exact value is 0.
     const float scatter = std::max(r.l0, 0.0F);
     out->scatter[i] = scatter;

@@ -147,9 +147,9 @@ TerrainPipeline::TerrainPipeline(const TerrainConfig& config, const ClassifierMo
       map_(config.mapShape(), maxPointsPerVoxel(config.supportStack())),
       stack_(config.supportStack()) {
   assert(config.validate().empty());
-  assert(modelMisfit(model, config.voxel_size_m, config.support_radius_voxels,
-                     config.support_kernel)
-             .empty());
+  assert(
+      modelMisfit(model, config.voxel_size_m, config.support_radius_voxels, config.support_kernel)
+          .empty());
   std::vector<SupportBox> boxes;
   for (const WeightedBox& weighted : stack_) boxes.push_back(weighted.box);
   for (int i = 0; i < config.threads; ++i) {
@@ -253,7 +253,7 @@ LADAR_INLINE void TerrainPipeline::locatePoints(const Eigen::Vector3d* p_sensor,
     cells[i] = kNoCell;
     const double range_squared = p_sensor[i].squaredNorm();
     if (!(range_squared >= min_squared && range_squared <= max_squared)) {
-      drop(!p_sensor[i].allFinite()         ? PointDrop::kNotFinite
+      drop(!p_sensor[i].allFinite()      ? PointDrop::kNotFinite
            : range_squared < min_squared ? PointDrop::kTooNear
                                          : PointDrop::kTooFar);
       continue;
@@ -300,8 +300,7 @@ void TerrainPipeline::updateVoxels() {
     if (stack_sums_.empty()) {
       box_sums_[share].compute(map_, affected_, rows[share], rows[share + 1], classifiers[share]);
     } else {
-      stack_sums_[share].compute(map_, affected_, rows[share], rows[share + 1],
-                                 classifiers[share]);
+      stack_sums_[share].compute(map_, affected_, rows[share], rows[share + 1], classifiers[share]);
     }
     classifiers[share].flush();
   });

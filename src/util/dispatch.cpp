@@ -32,7 +32,8 @@ VectorLevel levelAtStart() {
   for (const VectorLevel candidate : kLevels) {
     if (std::strcmp(wanted, vectorLevelName(candidate)) == 0) return std::min(level, candidate);
   }
-  std::fprintf(stderr, "LADAR_VECTOR_LEVEL is '%s', expected baseline, avx2 or avx512: %s is used\n",
+  std::fprintf(stderr,
+               "LADAR_VECTOR_LEVEL is '%s', expected baseline, avx2 or avx512: %s is used\n",
                wanted, vectorLevelName(level));
   return level;
 }

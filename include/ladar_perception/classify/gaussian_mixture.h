@@ -2,10 +2,9 @@
 // Gaussian mixtures, evaluated for many feature vectors at a time.
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "ladar_perception/saliency/saliency.h"
 

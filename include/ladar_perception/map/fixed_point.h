@@ -2,9 +2,8 @@
 // World positions as integers: the map stores and sums nothing else, so that sums are exact.
 #pragma once
 
-#include <cstdint>
-
 #include <Eigen/Core>
+#include <cstdint>
 
 #include "ladar_perception/util/dispatch.h"
 

@@ -24,8 +24,8 @@ struct RecordRun {
 };
 
 /// Runs of records in one block of memory; a run's room is one of a few sizes, and room given back
-/// is used again, so that a map that has reached its size allocates nothing any more. `Record` is any
-/// default-constructible, trivially copyable type.
+/// is used again, so that a map that has reached its size allocates nothing any more. `Record` is
+/// any default-constructible, trivially copyable type.
 template <typename Record>
 class RecordArena {
  public:

@@ -133,7 +133,9 @@ class BasicVoxelMap {
   LADAR_INLINE int heightOf(CellId cell) const {
     return static_cast<int>(cell & ((1U << height_bits_) - 1));
   }
-  LADAR_INLINE uint64_t* maskOf(int column) { return masks_.data() + static_cast<std::size_t>(column) * words_; }
+  LADAR_INLINE uint64_t* maskOf(int column) {
+    return masks_.data() + static_cast<std::size_t>(column) * words_;
+  }
   LADAR_INLINE void noteChange(int column, const ColumnIndex& index);
   void clearColumns(int x_begin, int x_end, int y_begin, int y_end);
   void scrollHeight(int dz);

@@ -48,8 +48,7 @@ void BasicVoxelMap<Record>::scrollTo(const VoxelIndex& min_corner) {
   const int64_t dx = int64_t{min_corner.x} - min_.x;
   const int64_t dy = int64_t{min_corner.y} - min_.y;
   const int64_t dz = int64_t{min_corner.z} - min_.z;
-  if (std::llabs(dx) >= shape_.nx || std::llabs(dy) >= shape_.ny ||
-      std::llabs(dz) >= shape_.nz) {
+  if (std::llabs(dx) >= shape_.nx || std::llabs(dy) >= shape_.ny || std::llabs(dz) >= shape_.nz) {
     clear();
     setMin(min_corner);
     return;
@@ -80,8 +79,8 @@ LADAR_INLINE CellId BasicVoxelMap<Record>::cellOf(const FixedPoint& q) const {
   const auto x = static_cast<uint64_t>((q.x >> kStepsPerVoxelLog2) - min_.x);
   const auto y = static_cast<uint64_t>((q.y >> kStepsPerVoxelLog2) - min_.y);
   const auto z = static_cast<uint64_t>((q.z >> kStepsPerVoxelLog2) - min_.z);
-  const bool inside = x < static_cast<uint64_t>(shape_.nx) && y < static_cast<uint64_t>(shape_.ny) &&
-                      z < static_cast<uint64_t>(shape_.nz);
+  const bool inside = x < static_cast<uint64_t>(shape_.nx) &&
+                      y < static_cast<uint64_t>(shape_.ny) && z < static_cast<uint64_t>(shape_.nz);
   if (!inside) return kNoCell;
   const int column = columnAt(static_cast<int>(x), static_cast<int>(y));
   return static_cast<CellId>(column) << height_bits_ | static_cast<CellId>(z);
@@ -96,9 +95,8 @@ LADAR_INLINE void BasicVoxelMap<Record>::prefetchColumn(CellId cell) const {
 template <typename Record>
 LADAR_INLINE void BasicVoxelMap<Record>::prefetchRecord(CellId cell) const {
   // Of an empty voxel it is the record that will have to move.
-  __builtin_prefetch(records(columnOf(cell)) +
-                         bit_mask::countBelow(mask(columnOf(cell)), heightOf(cell)),
-                     1);
+  __builtin_prefetch(
+      records(columnOf(cell)) + bit_mask::countBelow(mask(columnOf(cell)), heightOf(cell)), 1);
 }
 
 template <typename Record>

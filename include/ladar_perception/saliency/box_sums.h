@@ -14,7 +14,8 @@
 
 namespace ladar_perception {
 
-/// A support volume: the voxels up to `radius_xy` from a voxel along x and y and `radius_z` along z.
+/// A support volume: the voxels up to `radius_xy` from a voxel along x and y and `radius_z` along
+/// z.
 struct SupportBox {
   int radius_xy = 4;
   int radius_z = 4;
@@ -36,9 +37,9 @@ template <int kBytes>
 struct SumInRegisters<Moments, kBytes> : MomentsInRegisters<kBytes> {};
 
 /// Sparse sliding sums: along y a plane of per-(x, z) sums gains one row of the map and loses one,
-/// along x a line of per-z sums gains and loses one column of that plane, along z the k entries of
-/// that line around the voxel are added up. Empty voxels cost nothing, and the work per voxel hardly
-/// grows with the support volume.
+/// along x a line of per-z sums gains and loses one column of that plane, along z a sum is the
+/// difference of two of that line's running sums. Empty voxels cost nothing, and the work per voxel
+/// hardly grows with the support volume.
 ///
 /// Branches that a CPU cannot foresee cost more than sums here: so rows are flat lists of records,
 /// worked on from end to end.
@@ -355,7 +356,8 @@ class SlidingBoxSums {
   }
   template <int kWords>
   LADAR_INLINE std::size_t planeWord(const Entry& entry) const {
-    return static_cast<std::size_t>(entry.x + border()) * words<kWords>() + (kWords == 1 ? 0 : entry.z / 64);
+    return static_cast<std::size_t>(entry.x + border()) * words<kWords>() +
+           (kWords == 1 ? 0 : entry.z / 64);
   }
 
   SupportBox box_;

@@ -2,9 +2,8 @@
 // Saliency features of a support volume, from its summed moments.
 #pragma once
 
-#include <cstdint>
-
 #include <Eigen/Core>
+#include <cstdint>
 
 #include "ladar_perception/map/moments.h"
 #include "ladar_perception/saliency/eigen_symmetric3.h"
@@ -20,9 +19,9 @@ struct BasicSaliency {
   uint32_t points = 0;   ///< in the support volume
   bool defined = false;  ///< false when the points span nothing (fewer than 3, or all equal)
   // l0 <= l1 <= l2: eigenvalues of the scatter matrix C = 1/N sum (p - mean)(p - mean)^T, in m^2.
-  Scalar scatter = 0;  ///< l0
-  Scalar surface = 0;  ///< l1 - l0
-  Scalar linear = 0;   ///< l2 - l1
+  Scalar scatter = 0;                 ///< l0
+  Scalar surface = 0;                 ///< l1 - l0
+  Scalar linear = 0;                  ///< l2 - l1
   Vector3 normal = Vector3::Zero();   ///< eigenvector of l0, z >= 0
   Vector3 tangent = Vector3::Zero();  ///< eigenvector of l2, z >= 0
 };

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <vector>
-
-#include <Eigen/Geometry>
 
 #include "ladar_perception/util/dispatch.h"
 

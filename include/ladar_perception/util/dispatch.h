@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Loops on whatever vector unit the CPU has: one binary, compiled once per level, chosen as it runs.
+// Loops on whatever vector unit the CPU has: one binary, compiled once per level, chosen as it
+// runs.
 #pragma once
 
 #include <type_traits>
