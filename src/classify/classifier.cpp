@@ -13,33 +13,25 @@ namespace {
 
 constexpr int kSize = FeatureBlock::kSize;
 
-/// Lane by lane: the greatest likelihood, and the class of greatest prior times likelihood (the
-/// first of equal ones) with its posterior probability.
-LADAR_INLINE void choose(float (*log_joint)[kSize], const float* log_prior, std::size_t classes,
-                         float* __restrict__ best_likelihood, int32_t* __restrict__ best,
-                         float* __restrict__ posterior) {
-  float best_joint[kSize];
-  float log_evidence[kSize];
-  for (std::size_t c = 0; c < classes; ++c) {
-    const float* __restrict__ log_likelihood = log_joint[c];
-    float joint[kSize];
-    for (int i = 0; i < kSize; ++i) joint[i] = log_likelihood[i] + log_prior[c];
-    if (c == 0) {
-      std::copy_n(log_likelihood, kSize, best_likelihood);
-      std::copy_n(joint, kSize, best_joint);
-      std::copy_n(joint, kSize, log_evidence);
-      std::fill_n(best, kSize, 0);
-      continue;
-    }
-    for (int i = 0; i < kSize; ++i) {
-      best_likelihood[i] = std::max(best_likelihood[i], log_likelihood[i]);
-      best[i] = joint[i] > best_joint[i] ? static_cast<int32_t>(c) : best[i];
-      best_joint[i] = std::max(best_joint[i], joint[i]);
-    }
-    block_math::logAddExp<kSize>(joint, log_evidence);
+/// Turns the logarithms of what is proportional to probabilities, times `scale`, into
+/// probabilities, in place.
+LADAR_INLINE void normalize(float (*__restrict__ p)[kSize], std::size_t classes, float scale) {
+  float greatest[kSize];
+  float sum[kSize];
+  std::copy_n(p[0], kSize, greatest);
+  for (std::size_t c = 1; c < classes; ++c) {
+    for (int i = 0; i < kSize; ++i) greatest[i] = std::max(greatest[i], p[c][i]);
   }
-  for (int i = 0; i < kSize; ++i) {
-    posterior[i] = block_math::expNegative(std::min(best_joint[i] - log_evidence[i], 0.0F));
+  std::fill_n(sum, kSize, 0.0F);
+  for (std::size_t c = 0; c < classes; ++c) {
+    for (int i = 0; i < kSize; ++i) {
+      p[c][i] = block_math::expNegative((p[c][i] - greatest[i]) * scale);
+      sum[i] += p[c][i];
+    }
+  }
+  for (int i = 0; i < kSize; ++i) sum[i] = 1.0F / sum[i];
+  for (std::size_t c = 0; c < classes; ++c) {
+    for (int i = 0; i < kSize; ++i) p[c][i] *= sum[i];
   }
 }
 
@@ -47,7 +39,9 @@ LADAR_INLINE void choose(float (*log_joint)[kSize], const float* log_prior, std:
 
 Classifier::Classifier(const ClassifierModel& model)
     : features_(model.features),
-      unknown_log_likelihood_(static_cast<float>(model.unknown_log_likelihood)) {
+      unknown_log_likelihood_(static_cast<float>(model.unknown_log_likelihood)),
+      temperature_(static_cast<float>(model.calibration.temperature)) {
+  assert(model.classes.size() <= kMaxClasses);
   double prior_sum = 0.0;
   for (const ModelClass& model_class : model.classes) prior_sum += model_class.prior;
   for (const ModelClass& model_class : model.classes) {
@@ -56,23 +50,64 @@ Classifier::Classifier(const ClassifierModel& model)
   }
 }
 
-void Classifier::classify(const FeatureBlock& block, int count, Classification* result) const {
-  assert(count <= kSize && mixtures_.size() <= kMaxClasses);
-  float log_joint[kMaxClasses][kSize];
-  for (std::size_t c = 0; c < mixtures_.size(); ++c) {
-    mixtures_[c].logLikelihood(block, log_joint[c]);
-  }
-  float best_likelihood[kSize];
-  float posterior[kSize];
+void Classifier::posteriors(const FeatureBlock& block, float temperature,
+                            PosteriorBlock* result) const {
+  float(*p)[kSize] = result->probability;
+  for (std::size_t c = 0; c < classes(); ++c) mixtures_[c].logLikelihood(block, p[c]);
+  dispatch([&]() LADAR_INLINE_LAMBDA {
+    float best_likelihood[kSize];
+    std::copy_n(p[0], kSize, best_likelihood);
+    for (std::size_t c = 0; c < classes(); ++c) {
+      const float log_prior = log_prior_[c];
+      for (int i = 0; i < kSize; ++i) {
+        best_likelihood[i] = std::max(best_likelihood[i], p[c][i]);
+        p[c][i] += log_prior;
+      }
+    }
+    for (int i = 0; i < kSize; ++i) {
+      result->known[i] = best_likelihood[i] >= unknown_log_likelihood_ ? 1U : 0U;
+    }
+    normalize(p, classes(), 1.0F / temperature);
+  });
+}
+
+void Classifier::sharpen(float sharpness, PosteriorBlock* block) const {
+  constexpr float kLeast = 1e-6F;  // below the steps in which smoothed posteriors come
+  dispatch([&]() LADAR_INLINE_LAMBDA {
+    for (std::size_t c = 0; c < classes(); ++c) {
+      float* p = block->probability[c];
+      for (int i = 0; i < kSize; ++i) p[i] = block_math::logPositive(std::max(p[i], kLeast));
+    }
+    normalize(block->probability, classes(), sharpness);
+  });
+}
+
+void Classifier::choose(const PosteriorBlock& block, int count, Classification* result) const {
+  assert(count <= kSize);
+  float greatest[kSize];
   int32_t best[kSize];
   dispatch([&]() LADAR_INLINE_LAMBDA {
-    choose(log_joint, log_prior_.data(), log_prior_.size(), best_likelihood, best, posterior);
+    std::copy_n(block.probability[0], kSize, greatest);
+    std::fill_n(best, kSize, 0);
+    for (std::size_t c = 1; c < classes(); ++c) {
+      const float* __restrict__ p = block.probability[c];
+      for (int i = 0; i < kSize; ++i) {
+        best[i] = p[i] > greatest[i] ? static_cast<int32_t>(c) : best[i];
+        greatest[i] = std::max(greatest[i], p[i]);
+      }
+    }
   });
   for (int i = 0; i < count; ++i) {
-    const bool known = best_likelihood[i] >= unknown_log_likelihood_;
-    result[i] =
-        known ? Classification{static_cast<uint8_t>(best[i] + 1), posterior[i]} : Classification();
+    result[i] = block.known[i] != 0
+                    ? Classification{static_cast<uint8_t>(best[i] + 1), greatest[i]}
+                    : Classification();
   }
+}
+
+void Classifier::classify(const FeatureBlock& block, int count, Classification* result) const {
+  PosteriorBlock posterior;
+  posteriors(block, temperature_, &posterior);
+  choose(posterior, count, result);
 }
 
 }  // namespace ladar_perception

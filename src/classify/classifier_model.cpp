@@ -112,15 +112,35 @@ ModelClass readClass(const ModelReader& reader, const YAML::Node& node, int feat
 void readFeatures(const ModelReader& reader, const YAML::Node& root, ClassifierModel* model) {
   const auto names = reader.value<std::vector<std::string>>(root, "features", "a list of names");
   if (names.empty()) reader.fail(root["features"], "'features' is empty");
-  for (const std::string& name : names) {
-    const auto feature = featureFromName(name);
-    if (!feature) {
-      std::string known;
-      for (const FeatureInfo& info : allFeatures()) known += std::string(" ") + info.name;
-      reader.fail(root["features"], "unknown feature '" + name + "', known are:" + known);
-    }
-    model->features.push_back(*feature);
+  try {
+    for (const std::string& name : names) model->features.push_back(parseFeature(name));
+  } catch (const std::invalid_argument& error) {
+    reader.fail(root["features"], error.what());
   }
+}
+
+double readPositive(const ModelReader& reader, const YAML::Node& map, const std::string& key) {
+  const auto value = reader.value<double>(map, key, "a number");
+  if (!(value > 0.0) || !std::isfinite(value)) reader.fail(map[key], "'" + key + "' must be > 0");
+  return value;
+}
+
+// Models that were never calibrated have none.
+void readCalibration(const ModelReader& reader, const YAML::Node& node, Calibration* calibration) {
+  if (!node.IsDefined()) return;
+  reader.expectKeys(node, {"temperature", "smoothing"});
+  calibration->temperature = readPositive(reader, node, "temperature");
+  const YAML::Node smoothing = reader.child(node, "smoothing");
+  reader.expectKeys(smoothing, {"radius_voxels", "temperature", "sharpness"});
+  calibration->smoothing_radius_voxels =
+      reader.value<int>(smoothing, "radius_voxels", "an integer");
+  if (calibration->smoothing_radius_voxels < 1 ||
+      calibration->smoothing_radius_voxels > Calibration::kMaxSmoothingRadius) {
+    reader.fail(smoothing["radius_voxels"],
+                "'radius_voxels' must be 1 to " + std::to_string(Calibration::kMaxSmoothingRadius));
+  }
+  calibration->smoothing_temperature = readPositive(reader, smoothing, "temperature");
+  calibration->smoothing_sharpness = readPositive(reader, smoothing, "sharpness");
 }
 
 void readClasses(const ModelReader& reader, const YAML::Node& root, ClassifierModel* model) {
@@ -139,7 +159,8 @@ void readClasses(const ModelReader& reader, const YAML::Node& root, ClassifierMo
 
 ClassifierModel readModel(const ModelReader& reader, const YAML::Node& root) {
   reader.expectKeys(root, {"format", "provenance", "voxel_size_m", "support_radius_voxels",
-                           "support_kernel", "features", "unknown_log_likelihood", "classes"});
+                           "support_kernel", "features", "calibration", "unknown_log_likelihood",
+                           "classes"});
   const auto format = reader.value<std::string>(root, "format", "a name");
   if (format != kFormat) {
     reader.fail(root["format"], "format is '" + format + "', expected '" + kFormat + "'");
@@ -162,6 +183,7 @@ ClassifierModel readModel(const ModelReader& reader, const YAML::Node& root) {
         provenance, "'provenance' must map names to texts");
   }
   readFeatures(reader, root, &model);
+  readCalibration(reader, root["calibration"], &model.calibration);
   readClasses(reader, root, &model);
   return model;
 }
@@ -245,7 +267,12 @@ std::string formatClassifierModel(const ClassifierModel& model) {
   out << "voxel_size_m: " << number(model.voxel_size_m)
       << "\nsupport_radius_voxels: " << model.support_radius_voxels
       << "\nsupport_kernel: " << model.support_kernel << "\nfeatures:\n";
-  for (const Feature feature : model.features) out << "  - " << featureName(feature) << "\n";
+  for (const Feature& feature : model.features) out << "  - " << featureName(feature) << "\n";
+  const Calibration& calibration = model.calibration;
+  out << "calibration:\n  temperature: " << number(calibration.temperature)
+      << "\n  smoothing:\n    radius_voxels: " << calibration.smoothing_radius_voxels
+      << "\n    temperature: " << number(calibration.smoothing_temperature)
+      << "\n    sharpness: " << number(calibration.smoothing_sharpness) << "\n";
   out << "classes:\n";
   for (const ModelClass& model_class : model.classes) writeClass(model_class, out);
   // Last, because it is required: a file cut off between two classes lacks it.

@@ -51,6 +51,20 @@ void ColumnSet::assignAffected(const std::vector<ColumnIndex>& changed, const Vo
   }
 }
 
+void ColumnSet::assignDilated(const ColumnSet& other, int radius) {
+  resize(other.nx_, other.ny_);
+  std::vector<uint64_t> row(words_);
+  for (int y = 0; y < ny_; ++y) {
+    dilateBits(other.row(y), words_, radius, row.data());
+    // A row has bits for whole words; there are no columns beyond nx.
+    if (nx_ % 64 != 0) row[words_ - 1] &= (uint64_t{1} << (nx_ % 64)) - 1;
+    const int last = std::min(y + radius, ny_ - 1);
+    for (int near = std::max(y - radius, 0); near <= last; ++near) {
+      for (int word = 0; word < words_; ++word) rowOf(near)[word] |= row[word];
+    }
+  }
+}
+
 void dilateBits(const uint64_t* in, int words, int radius, uint64_t* out) {
   std::copy(in, in + words, out);
   for (int distance = 1; distance <= radius; ++distance) {

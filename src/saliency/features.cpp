@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <stdexcept>
 
+#include "ladar_perception/saliency/box_stack.h"
 #include "ladar_perception/util/block_math.h"
 #include "ladar_perception/util/dispatch.h"
 
@@ -11,84 +14,343 @@ namespace ladar_perception {
 namespace {
 
 constexpr int kSize = SaliencyBlock::kSize;
+constexpr float kTiny = 1e-12F;  // m^2; a millionth of a metre squared
+constexpr int kMaxColumnRadius = 100;
+// Wider supports would let voxels hold fewer points than sensors bring.
+constexpr uint32_t kLeastPointsPerVoxel = 200;
+constexpr float kHeightOffset_m = 0.1F;  // so that the ground's heights are not spread out
 
-LADAR_INLINE void cubeRoots(const float* __restrict__ x, float* __restrict__ values) {
-  for (int i = 0; i < kSize; ++i) values[i] = block_math::cubeRoot(x[i]);
+/// values[i] = formula(i) for a block.
+template <typename Formula>
+LADAR_INLINE void fill(float* __restrict__ values, const Formula& formula) {
+  for (int i = 0; i < kSize; ++i) values[i] = formula(i);
 }
 
-LADAR_INLINE void anglesToVertical(const float (&direction)[3][kSize], float* __restrict__ values) {
-  for (int i = 0; i < kSize; ++i) {
-    const float x = direction[0][i];
-    const float y = direction[1][i];
-    values[i] = block_math::angleToVertical(std::sqrt(x * x + y * y), direction[2][i]);
+/// Greatest and least variance of the horizontal part of a scatter matrix.
+struct Horizontal {
+  float major;
+  float minor;
+};
+LADAR_INLINE Horizontal horizontalOf(const SaliencyBlock& b, int i) {
+  const float mean = 0.5F * (b.matrix.xx[i] + b.matrix.yy[i]);
+  const float half = 0.5F * (b.matrix.xx[i] - b.matrix.yy[i]);
+  const float root = std::sqrt(half * half + b.matrix.xy[i] * b.matrix.xy[i]);
+  return {std::max(mean + root, 0.0F), std::max(mean - root, 0.0F)};
+}
+
+LADAR_INLINE float greatestSaliency(const SaliencyBlock& b, int i) {
+  return std::max(std::max(b.scatter[i], std::max(b.surface[i], b.linear[i])), kTiny);
+}
+
+LADAR_INLINE float horizontalPart(const float (&direction)[3][kSize], int i) {
+  return std::sqrt(direction[0][i] * direction[0][i] + direction[1][i] * direction[1][i]);
+}
+
+void shapeValues(Quantity quantity, const SaliencyBlock& b, float* values) {
+  dispatch([&]() LADAR_INLINE_LAMBDA {
+    switch (quantity) {
+      case Quantity::kCbrtScatter:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA { return block_math::cubeRoot(b.scatter[i]); });
+        break;
+      case Quantity::kCbrtSurface:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA { return block_math::cubeRoot(b.surface[i]); });
+        break;
+      case Quantity::kCbrtLinear:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA { return block_math::cubeRoot(b.linear[i]); });
+        break;
+      case Quantity::kScatterRatio:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA {
+          const float l2 = b.scatter[i] + b.surface[i] + b.linear[i];
+          return std::sqrt(b.scatter[i] / std::max(l2, kTiny));
+        });
+        break;
+      case Quantity::kThicknessRatio:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA {
+          return std::sqrt(b.scatter[i] / std::max(b.scatter[i] + b.surface[i], kTiny));
+        });
+        break;
+      default:
+        break;
+    }
+  });
+}
+
+void directionValues(Quantity quantity, const SaliencyBlock& b, float* values) {
+  dispatch([&]() LADAR_INLINE_LAMBDA {
+    switch (quantity) {
+      case Quantity::kNormalAngle:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA {
+          return block_math::angleToVertical(horizontalPart(b.normal, i), b.normal[2][i]);
+        });
+        break;
+      case Quantity::kTangentAngle:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA {
+          return block_math::angleToVertical(horizontalPart(b.tangent, i), b.tangent[2][i]);
+        });
+        break;
+      case Quantity::kLevelSurface:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA {
+          return std::abs(b.normal[2][i]) * b.surface[i] / greatestSaliency(b, i);
+        });
+        break;
+      case Quantity::kUprightSurface:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA {
+          return horizontalPart(b.normal, i) * b.surface[i] / greatestSaliency(b, i);
+        });
+        break;
+      case Quantity::kLevelLinear:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA {
+          return horizontalPart(b.tangent, i) * b.linear[i] / greatestSaliency(b, i);
+        });
+        break;
+      case Quantity::kUprightLinear:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA {
+          return std::abs(b.tangent[2][i]) * b.linear[i] / greatestSaliency(b, i);
+        });
+        break;
+      default:
+        break;
+    }
+  });
+}
+
+void spreadValues(Quantity quantity, const SaliencyBlock& b, float* values) {
+  dispatch([&]() LADAR_INLINE_LAMBDA {
+    switch (quantity) {
+      case Quantity::kSpreadAngle:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA {
+          // Of a horizontal plane 0, of a vertical line 90 degrees.
+          return block_math::angleToVertical(std::sqrt(std::max(b.matrix.zz[i], 0.0F)),
+                                             std::sqrt(horizontalOf(b, i).major));
+        });
+        break;
+      case Quantity::kHorizontalRatio:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA {
+          const Horizontal horizontal = horizontalOf(b, i);
+          return std::sqrt(horizontal.minor / std::max(horizontal.major, kTiny));
+        });
+        break;
+      case Quantity::kHorizontalMinor:
+        fill(values,
+             [&](int i) LADAR_INLINE_LAMBDA { return std::sqrt(horizontalOf(b, i).minor); });
+        break;
+      case Quantity::kHorizontalMajor:
+        fill(values,
+             [&](int i) LADAR_INLINE_LAMBDA { return std::sqrt(horizontalOf(b, i).major); });
+        break;
+      case Quantity::kVerticalDeviation:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA { return std::sqrt(std::max(b.matrix.zz[i], 0.0F)); });
+        break;
+      case Quantity::kMeanOffset:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA {
+          return std::sqrt(b.mean[0][i] * b.mean[0][i] + b.mean[1][i] * b.mean[1][i] +
+                           b.mean[2][i] * b.mean[2][i]);
+        });
+        break;
+      case Quantity::kLogPoints:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA {
+          return block_math::logPositive(std::max(static_cast<float>(b.points[i]), 1.0F));
+        });
+        break;
+      default:
+        break;
+    }
+  });
+}
+
+int parseRadius(const std::string& name, const std::string& text) {
+  int radius = 0;
+  char rest = 0;
+  if (text.empty() || text.size() > 4 || std::sscanf(text.c_str(), "%d%c", &radius, &rest) != 1 ||
+      radius < 1) {
+    throw std::invalid_argument("feature '" + name + "': '" + text +
+                                "' is no radius, expected a whole number of voxels from 1");
   }
+  return radius;
+}
+
+SupportBox parseBox(const std::string& name, const std::string& text, bool of_columns) {
+  const std::size_t cross = text.find('x');
+  const int radius = parseRadius(name, text.substr(0, cross));
+  if (of_columns) {
+    if (cross == std::string::npos && radius <= kMaxColumnRadius) return {radius, 0};
+    throw std::invalid_argument("feature '" + name +
+                                "': what it measures needs '@' and a radius of 1 to " +
+                                std::to_string(kMaxColumnRadius) + " columns, as in '@40'");
+  }
+  const SupportBox box = {
+      radius, cross == std::string::npos ? radius : parseRadius(name, text.substr(cross + 1))};
+  if (box.radius_xy > 64 || box.radius_z > 64 ||
+      maxPointsPerVoxel({{box, 1}}) < kLeastPointsPerVoxel) {
+    throw std::invalid_argument("feature '" + name +
+                                "': the support volume is too large, expected a cube of radius 8 "
+                                "at most, or a box of about as many voxels");
+  }
+  return box;
 }
 
 }  // namespace
 
-const std::vector<FeatureInfo>& allFeatures() {
-  static const std::vector<FeatureInfo> kFeatures = {
-      {Feature::kScatter, "scatter", "m^2", "l0, how much the points fill space"},
-      {Feature::kSurface, "surface", "m^2", "l1 - l0, how much they form a surface"},
-      {Feature::kLinear, "linear", "m^2", "l2 - l1, how much they form a line"},
+const std::vector<QuantityInfo>& allQuantities() {
+  static const std::vector<QuantityInfo> kQuantities = {
+      {Quantity::kScatter, "scatter", "m^2", "l0, how much the points fill space"},
+      {Quantity::kSurface, "surface", "m^2", "l1 - l0, how much they form a surface"},
+      {Quantity::kLinear, "linear", "m^2", "l2 - l1, how much they form a line"},
       // Cube roots spread the small values out, where a Gaussian cannot follow the raw ones.
-      {Feature::kCbrtScatter, "cbrt_scatter", "m^(2/3)", "cube root of scatter"},
-      {Feature::kCbrtSurface, "cbrt_surface", "m^(2/3)", "cube root of surface"},
-      {Feature::kCbrtLinear, "cbrt_linear", "m^(2/3)", "cube root of linear"},
-      {Feature::kNormalAngle, "normal_angle", "rad", "angle of the normal to the vertical"},
-      {Feature::kTangentAngle, "tangent_angle", "rad", "angle of the tangent to the vertical"},
+      {Quantity::kCbrtScatter, "cbrt_scatter", "m^(2/3)", "cube root of scatter"},
+      {Quantity::kCbrtSurface, "cbrt_surface", "m^(2/3)", "cube root of surface"},
+      {Quantity::kCbrtLinear, "cbrt_linear", "m^(2/3)", "cube root of linear"},
+      {Quantity::kNormalAngle, "normal_angle", "rad", "angle of the normal to the vertical"},
+      {Quantity::kTangentAngle, "tangent_angle", "rad", "angle of the tangent to the vertical"},
+      {Quantity::kSpreadAngle, "spread_angle", "rad",
+       "arc tangent of sz / sh1: 0 for what lies level, pi/2 for what stands upright"},
+      {Quantity::kHorizontalRatio, "horizontal_ratio", "1",
+       "sh0 / sh1: 0 for walls and lines, 1 for what is round seen from above"},
+      {Quantity::kScatterRatio, "scatter_ratio", "1", "sqrt(l0 / l2)"},
+      {Quantity::kThicknessRatio, "thickness_ratio", "1", "sqrt(l0 / l1)"},
+      {Quantity::kLevelSurface, "level_surface", "1",
+       "|normal z| surface, over the greatest saliency"},
+      {Quantity::kUprightSurface, "upright_surface", "1",
+       "horizontal part of the normal times surface, over the greatest saliency"},
+      {Quantity::kLevelLinear, "level_linear", "1",
+       "horizontal part of the tangent times linear, over the greatest saliency"},
+      {Quantity::kUprightLinear, "upright_linear", "1",
+       "|tangent z| linear, over the greatest saliency"},
+      {Quantity::kHorizontalMinor, "horizontal_minor", "m", "sh0"},
+      {Quantity::kHorizontalMajor, "horizontal_major", "m", "sh1"},
+      {Quantity::kVerticalDeviation, "vertical_deviation", "m", "sz"},
+      {Quantity::kMeanOffset, "mean_offset", "m", "distance of the points' mean to the voxel"},
+      {Quantity::kLogPoints, "log_points", "1", "logarithm of the number of points: density"},
+      {Quantity::kLogHeight, "log_height", "1",
+       "log((height + 0.1 m) / 1 m) over the lowest voxel of the square of columns"},
+      {Quantity::kSqrtHeight, "sqrt_height", "m^(1/2)", "square root of the same height + 0.01 m"},
+      {Quantity::kLogGroundHeight, "log_ground_height", "1",
+       "log((height + 0.1 m) / 1 m) over the ground: an opening by the square of columns"},
+      {Quantity::kLogFill, "log_fill", "1",
+       "logarithm of the occupied voxels per occupied column of the square"},
   };
-  return kFeatures;
+  return kQuantities;
 }
 
-std::optional<Feature> featureFromName(const std::string& name) {
-  for (const FeatureInfo& info : allFeatures()) {
-    if (name == info.name) return info.feature;
+bool isOfColumns(Quantity quantity) {
+  return quantity == Quantity::kLogHeight || quantity == Quantity::kSqrtHeight ||
+         quantity == Quantity::kLogGroundHeight || quantity == Quantity::kLogFill;
+}
+
+ColumnQuantity columnQuantity(Quantity quantity) {
+  if (quantity == Quantity::kLogFill) return ColumnQuantity::kFill;
+  return quantity == Quantity::kLogGroundHeight ? ColumnQuantity::kGround : ColumnQuantity::kLowest;
+}
+
+Feature parseFeature(const std::string& name) {
+  const std::size_t at = name.find('@');
+  const std::string quantity = name.substr(0, at);
+  for (const QuantityInfo& info : allQuantities()) {
+    if (quantity != info.name) continue;
+    const bool of_columns = isOfColumns(info.quantity);
+    if (at == std::string::npos && !of_columns) return {info.quantity, {0, 0}};
+    const std::string box = at == std::string::npos ? "" : name.substr(at + 1);
+    return {info.quantity, parseBox(name, box, of_columns)};
   }
-  return std::nullopt;
+  std::string known;
+  for (const QuantityInfo& info : allQuantities()) known += std::string(" ") + info.name;
+  throw std::invalid_argument("unknown feature '" + name + "', known are:" + known);
 }
 
-const char* featureName(Feature feature) {
-  for (const FeatureInfo& info : allFeatures()) {
-    if (feature == info.feature) return info.name;
+std::string featureName(const Feature& feature) {
+  std::string name;
+  for (const QuantityInfo& info : allQuantities()) {
+    if (feature.quantity == info.quantity) name = info.name;
   }
-  return "";
+  if (feature.isOfConfiguredSupport()) return name;
+  name += "@" + std::to_string(feature.box.radius_xy);
+  const bool is_cube = feature.box.radius_z == feature.box.radius_xy;
+  if (isOfColumns(feature.quantity) || is_cube) return name;
+  return name + "x" + std::to_string(feature.box.radius_z);
 }
 
-float featureValue(Feature feature, const SaliencyF& saliency) {
-  SaliencyBlock block = {};
-  block.set(0, saliency);
-  float values[kSize];
-  featureValues(feature, block, values);
-  return values[0];
+const std::vector<FeatureSet>& featureSets() {
+  static const std::vector<FeatureSet> kSets = {
+      {"saliency", "the three saliencies alone", {"cbrt_scatter", "cbrt_surface", "cbrt_linear"}},
+      {"directions",
+       "saliencies, and the angles of normal and tangent",
+       {"cbrt_scatter", "cbrt_surface", "cbrt_linear", "normal_angle", "tangent_angle"}},
+  };
+  return kSets;
 }
 
-void featureValues(Feature feature, const SaliencyBlock& block, float* values) {
+std::vector<Feature> parseFeatures(const std::vector<std::string>& names) {
+  std::vector<Feature> features;
+  for (const std::string& name : names) {
+    const auto& sets = featureSets();
+    const auto set = std::find_if(sets.begin(), sets.end(),
+                                  [&](const FeatureSet& entry) { return name == entry.name; });
+    const std::vector<std::string> members =
+        set == sets.end() ? std::vector<std::string>{name} : set->features;
+    for (const std::string& member : members) {
+      features.push_back(parseFeature(member));
+      if (std::count(features.begin(), features.end(), features.back()) > 1) {
+        throw std::invalid_argument("feature '" + member + "' is there twice");
+      }
+    }
+  }
+  if (features.empty()) throw std::invalid_argument("no feature is named");
+  return features;
+}
+
+void featureValues(Quantity quantity, const SaliencyBlock& block, float* values) {
+  switch (quantity) {
+    case Quantity::kScatter:
+      std::copy_n(block.scatter, kSize, values);
+      break;
+    case Quantity::kSurface:
+      std::copy_n(block.surface, kSize, values);
+      break;
+    case Quantity::kLinear:
+      std::copy_n(block.linear, kSize, values);
+      break;
+    case Quantity::kCbrtScatter:
+    case Quantity::kCbrtSurface:
+    case Quantity::kCbrtLinear:
+    case Quantity::kScatterRatio:
+    case Quantity::kThicknessRatio:
+      shapeValues(quantity, block, values);
+      break;
+    case Quantity::kNormalAngle:
+    case Quantity::kTangentAngle:
+    case Quantity::kLevelSurface:
+    case Quantity::kUprightSurface:
+    case Quantity::kLevelLinear:
+    case Quantity::kUprightLinear:
+      directionValues(quantity, block, values);
+      break;
+    default:
+      spreadValues(quantity, block, values);
+      break;
+  }
+}
+
+void columnFeatureValues(Quantity quantity, const int32_t* numbers, double voxel_size_m,
+                         float* values) {
+  const auto voxel = static_cast<float>(voxel_size_m);
   dispatch([&]() LADAR_INLINE_LAMBDA {
-    switch (feature) {
-      case Feature::kScatter:
-        std::copy_n(block.scatter, kSize, values);
+    const auto height = [&](int i) LADAR_INLINE_LAMBDA {
+      return static_cast<float>(std::max(numbers[i], 0)) * voxel;
+    };
+    switch (quantity) {
+      case Quantity::kSqrtHeight:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA { return std::sqrt(height(i) + 0.01F); });
         break;
-      case Feature::kSurface:
-        std::copy_n(block.surface, kSize, values);
+      case Quantity::kLogFill:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA {
+          const float fill = static_cast<float>(numbers[i]) * (1.0F / kFillUnit);
+          return block_math::logPositive(std::max(fill, 1.0F));
+        });
         break;
-      case Feature::kLinear:
-        std::copy_n(block.linear, kSize, values);
-        break;
-      case Feature::kCbrtScatter:
-        cubeRoots(block.scatter, values);
-        break;
-      case Feature::kCbrtSurface:
-        cubeRoots(block.surface, values);
-        break;
-      case Feature::kCbrtLinear:
-        cubeRoots(block.linear, values);
-        break;
-      case Feature::kNormalAngle:
-        anglesToVertical(block.normal, values);
-        break;
-      case Feature::kTangentAngle:
-        anglesToVertical(block.tangent, values);
+      default:
+        fill(values, [&](int i) LADAR_INLINE_LAMBDA {
+          return block_math::logPositive(height(i) + kHeightOffset_m);
+        });
         break;
     }
   });

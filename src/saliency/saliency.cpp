@@ -49,15 +49,13 @@ LADAR_INLINE void centerMoments(const Moments* sums, const VoxelIndex* voxels, i
   }
 }
 
-/// Upper triangles of the scatter matrices, in m^2.
-struct ScatterBlock {
-  float xx[kSize], xy[kSize], xz[kSize], yy[kSize], yz[kSize], zz[kSize];
-};
-
-LADAR_INLINE void scatterOf(const MomentBlock& m, double step_m,
-                            ScatterBlock* __restrict__ scatter) {
+LADAR_INLINE void scatterOf(const MomentBlock& m, double step_m, ScatterBlock* __restrict__ scatter,
+                            float (*__restrict__ mean)[kSize]) {
   for (int i = 0; i < kSize; ++i) {
     const double by_n = step_m / std::max(m.n[i], 1.0);
+    mean[0][i] = static_cast<float>(m.x[i] * by_n);
+    mean[1][i] = static_cast<float>(m.y[i] * by_n);
+    mean[2][i] = static_cast<float>(m.z[i] * by_n);
     const auto entry = [&](double ab, double a, double b) LADAR_INLINE_LAMBDA {
       return static_cast<float>(scatterEntry(m.n[i], ab, a, b, by_n * by_n));
     };
@@ -134,28 +132,15 @@ Saliency saliencyOf(const CenteredMoments& moments, double step_m) {
   return result;
 }
 
-void SaliencyBlock::set(int i, const SaliencyF& saliency) {
-  points[i] = saliency.points;
-  defined[i] = saliency.defined ? 1U : 0U;
-  scatter[i] = saliency.scatter;
-  surface[i] = saliency.surface;
-  linear[i] = saliency.linear;
-  for (int axis = 0; axis < 3; ++axis) {
-    normal[axis][i] = saliency.normal[axis];
-    tangent[axis][i] = saliency.tangent[axis];
-  }
-}
-
 void saliencyOfBlock(const Moments* sums, const VoxelIndex* voxels, int count, double step_m,
                      SaliencyBlock* block) {
   assert(count <= kSize);
   MomentBlock moments;
-  ScatterBlock scatter;
   dispatch([&]() LADAR_INLINE_LAMBDA {
     centerMoments(sums, voxels, count, &moments, block->points);
-    scatterOf(moments, step_m, &scatter);
-    solveBlock(scatter, block);
-    clearUndefined(scatter, block);
+    scatterOf(moments, step_m, &block->matrix, block->mean);
+    solveBlock(block->matrix, block);
+    clearUndefined(block->matrix, block);
   });
 }
 

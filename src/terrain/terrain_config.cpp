@@ -33,6 +33,8 @@ void TerrainConfig::addTo(ParamTable* table) {
              "weights in the support volume: box, all alike, or gaussian, falling to 1/4 at r");
   table->add("min_support_points", &min_support_points, 3, 1000, "points",
              "voxels with fewer points in their support volume are unknown");
+  table->add("smooth_labels", &smooth_labels,
+             "label voxels by the posteriors of their neighbours, too, as the model says");
   table->add("min_range_m", &min_range_m, 0.0, 100.0, "m",
              "nearer points are dropped: the vehicle itself, and invalid returns at 0");
   table->add("max_range_m", &max_range_m, 1.0, 1000.0, "m", "farther points are dropped");

@@ -59,20 +59,24 @@ const char* stageName(Stage stage) {
       return "sum";
     case Stage::kClassify:
       return "classify";
+    case Stage::kSmooth:
+      return "smooth";
     case Stage::kLabel:
       return "label";
   }
   return "";
 }
 
-/// Turns box sums into saliencies and classes, a block of voxels at a time: the output of
-/// SlidingBoxSums. Call flush() when the last sums are there.
+/// Turns box sums into features and posteriors, a block of voxels at a time: the output of
+/// SlidingBoxSums and BoxStackSums. Call flush() when the last sums are there.
 class TerrainPipeline::VoxelClassifier {
  public:
   explicit VoxelClassifier(TerrainPipeline* pipeline)
       : pipeline_(*pipeline),
         map_(pipeline->map_),
         step_m_(pipeline->config_.voxel_size_m / static_cast<double>(kStepsPerVoxel)),
+        sums_(1 + pipeline->plan_.boxes.size()),
+        shapes_(sums_.size()),
         features_(static_cast<int>(pipeline->classifier_.features().size())) {}
 
   LADAR_INLINE Moments& place(std::size_t slot, int x, int y, int z) {
@@ -85,19 +89,24 @@ class TerrainPipeline::VoxelClassifier {
     __builtin_prefetch(saliency, 1);
     __builtin_prefetch(reinterpret_cast<const char*>(saliency + 1) - 1, 1);
     __builtin_prefetch(&pipeline_.classifications_[slot], 1);
-    return sums_[count_++];
+    return sums_[0][count_++];
   }
 
-  /// As BoxStackSums wants it: the sums over the boxes of the stack, the widest first.
+  /// As BoxStackSums wants it: the sums over the boxes of the configured support, the widest first,
+  /// then over the others of the plan.
   LADAR_INLINE void accept(std::size_t slot, int x, int y, int z, const Moments* sums) {
-    place(slot, x, y, z) = weightedSum(pipeline_.stack_, sums);
+    const BoxStack& stack = pipeline_.stack_;
+    place(slot, x, y, z) = weightedSum(stack, sums);
     points_[count_ - 1] = sums[0].count();
+    for (std::size_t i = 1; i < sums_.size(); ++i) {
+      sums_[i][count_ - 1] = sums[stack.size() + i - 1];
+    }
   }
 
   /// Out of the way of the loop over sums, which it would make slower.
   __attribute__((noinline)) void flush() {
     const auto begin = Clock::now();
-    classifyBlock();
+    if (count_ > 0) classifyBlock();
     voxels_done_ += count_;
     count_ = 0;
     duration_ms_ += std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
@@ -108,22 +117,54 @@ class TerrainPipeline::VoxelClassifier {
 
  private:
   void classifyBlock() {
-    saliencyOfBlock(sums_, voxels_, count_, step_m_, &block_);
-    // A weighted sum's count is not one of points.
-    if (pipeline_.stack_.size() > 1) std::copy_n(points_, count_, block_.points);
-    const auto& features = pipeline_.classifier_.features();
-    for (std::size_t f = 0; f < features.size(); ++f) {
-      featureValues(features[f], block_, features_.row(static_cast<int>(f)));
+    for (std::size_t i = 0; i < sums_.size(); ++i) {
+      saliencyOfBlock(sums_[i].data(), voxels_, count_, step_m_, &shapes_[i]);
     }
-    Classification classified[kSaliencyBlock];
-    pipeline_.classifier_.classify(features_, count_, classified);
+    // A weighted sum's count is not one of points.
+    if (pipeline_.stack_.size() > 1) std::copy_n(points_, count_, shapes_[0].points);
+    computeFeatures();
+    LabelSmoother* smoother = pipeline_.smoother_.get();
+    const auto temperature = smoother != nullptr
+                                 ? smoother->temperature()
+                                 : static_cast<float>(pipeline_.model_.calibration.temperature);
+    pipeline_.classifier_.posteriors(features_, temperature, &posterior_);
     const auto least = static_cast<uint32_t>(pipeline_.config_.min_support_points);
     for (int i = 0; i < count_; ++i) {
-      const bool supported = block_.defined[i] != 0 && block_.points[i] >= least;
-      block_.get(i, &pipeline_.saliencies_[slots_[i]]);
-      pipeline_.classifications_[slots_[i]] = supported ? classified[i] : Classification();
+      shapes_[0].get(i, &pipeline_.saliencies_[slots_[i]]);
+      const bool supported = shapes_[0].defined[i] != 0 && shapes_[0].points[i] >= least;
+      if (!supported) posterior_.known[i] = 0;
+    }
+    if (smoother != nullptr) {
+      smoother->keep(posterior_, slots_, count_);
+    } else {
+      Classification classified[kSaliencyBlock];
+      pipeline_.classifier_.choose(posterior_, count_, classified);
+      for (int i = 0; i < count_; ++i) pipeline_.classifications_[slots_[i]] = classified[i];
     }
     if (pipeline_.keep_features_) keepFeatures();
+  }
+
+  void computeFeatures() {
+    const FeaturePlan& plan = pipeline_.plan_;
+    const auto& features = pipeline_.classifier_.features();
+    for (std::size_t f = 0; f < features.size(); ++f) {
+      float* values = features_.row(static_cast<int>(f));
+      if (!isOfColumns(features[f].quantity)) {
+        featureValues(features[f].quantity, shapes_[plan.source[f]], values);
+        continue;
+      }
+      int32_t numbers[kSaliencyBlock] = {};
+      lookUp(plan.layers[plan.source[f]], numbers);
+      columnFeatureValues(features[f].quantity, numbers, pipeline_.config_.voxel_size_m, values);
+    }
+  }
+
+  void lookUp(const ColumnLayer& layer, int32_t* numbers) const {
+    const VoxelIndex& min = map_.minCorner();
+    for (int i = 0; i < count_; ++i) {
+      const int32_t value = layer.at(voxels_[i].x - min.x, voxels_[i].y - min.y);
+      numbers[i] = layer.quantity() == ColumnQuantity::kFill ? value : voxels_[i].z - value;
+    }
   }
 
   void keepFeatures() {
@@ -138,12 +179,14 @@ class TerrainPipeline::VoxelClassifier {
   const VoxelMap& map_;
   double step_m_;
   int count_ = 0;
-  Moments sums_[kSaliencyBlock];
+  // Of the configured support and of the plan's boxes.
+  std::vector<std::array<Moments, kSaliencyBlock>> sums_;
+  std::vector<SaliencyBlock> shapes_;
   VoxelIndex voxels_[kSaliencyBlock];
   uint32_t slots_[kSaliencyBlock];
-  uint32_t points_[kSaliencyBlock];  // of stacks of boxes only
-  SaliencyBlock block_;
+  uint32_t points_[kSaliencyBlock];  // of several boxes only
   FeatureBlock features_;
+  PosteriorBlock posterior_;
   std::size_t voxels_done_ = 0;
   double duration_ms_ = 0.0;
 };
@@ -153,14 +196,17 @@ TerrainPipeline::TerrainPipeline(const TerrainConfig& config, const ClassifierMo
       model_(model),
       classifier_(model),
       pool_(config.threads),
-      map_(config.mapShape(), maxPointsPerVoxel(config.supportStack())),
-      stack_(config.supportStack()) {
+      map_(config.mapShape(),
+           FeaturePlan(model.features).maxPointsPerVoxel(config.supportStack())),
+      stack_(config.supportStack()),
+      plan_(model.features) {
   assert(config.validate().empty());
   assert(
       modelMisfit(model, config.voxel_size_m, config.support_radius_voxels, config.support_kernel)
           .empty());
   std::vector<SupportBox> boxes;
   for (const WeightedBox& weighted : stack_) boxes.push_back(weighted.box);
+  boxes.insert(boxes.end(), plan_.boxes.begin(), plan_.boxes.end());
   for (int i = 0; i < config.threads; ++i) {
     if (boxes.size() == 1) {
       box_sums_.emplace_back(boxes[0]);
@@ -169,7 +215,10 @@ TerrainPipeline::TerrainPipeline(const TerrainConfig& config, const ClassifierMo
     }
   }
   if (config.forget_after_s > 0.0 || config.forget_after_scans > 0) {
-    slices_ = EvidenceSlices(config.mapShape(), maxPointsPerVoxel(stack_));
+    slices_ = EvidenceSlices(config.mapShape(), plan_.maxPointsPerVoxel(stack_));
+  }
+  if (config.smooth_labels) {
+    smoother_ = LabelSmoother::make(classifier_, model_.calibration, config.threads);
   }
 }
 
@@ -188,12 +237,17 @@ const ScanReport& TerrainPipeline::process(const CloudView& cloud, const PointFi
   insertPoints(time_offsets_s, motion);
   timer.endOf(Stage::kInsert);
 
-  affected_.assignAffected(map_, stack_[0].box.radius_xy);
+  affected_.assignAffected(map_, plan_.reach(stack_));
+  for (ColumnLayer& layer : plan_.layers) {
+    layer.update(map_, [&](int x, int y) { affected_.add(x, y); });
+  }
   map_.forgetChanges();
   updateVoxels();
   timer.endOf(Stage::kSum);
   report_.stage_ms[static_cast<int>(Stage::kSum)] -=
       report_.stage_ms[static_cast<int>(Stage::kClassify)];
+  smoothLabels();
+  timer.endOf(Stage::kSmooth);
 
   labelPoints();
   timer.endOf(Stage::kLabel);
@@ -303,12 +357,20 @@ LADAR_INLINE void TerrainPipeline::insertLocated(const FixedPoint* q, const Cell
 void TerrainPipeline::updateAllVoxels() {
   affected_.assignAll(map_.shape().nx, map_.shape().ny);
   updateVoxels();
+  smoothLabels();
+}
+
+void TerrainPipeline::smoothLabels() {
+  if (smoother_ == nullptr) return;
+  relabelled_.assignDilated(affected_, smoother_->radius());
+  smoother_->label(map_, relabelled_, &pool_, &classifications_);
 }
 
 void TerrainPipeline::updateVoxels() {
   saliencies_.resize(map_.slotBound());
   classifications_.resize(map_.slotBound());
   if (keep_features_) kept_features_.resize(map_.slotBound() * model_.features.size());
+  if (smoother_ != nullptr) smoother_->resize(map_.slotBound());
   const std::vector<int> rows = shareRows(map_, affected_, pool_.size());
   std::vector<VoxelClassifier> classifiers(pool_.size(), VoxelClassifier(this));
   pool_.run([&](int share) {
@@ -351,6 +413,8 @@ std::size_t TerrainPipeline::memoryBytes() const {
                       saliencies_.capacity() * sizeof(SaliencyF) +
                       classifications_.capacity() * sizeof(Classification) +
                       kept_features_.capacity() * sizeof(float);
+  if (smoother_ != nullptr) bytes += smoother_->memoryBytes();
+  for (const ColumnLayer& layer : plan_.layers) bytes += layer.memoryBytes();
   for (const auto& box_sums : box_sums_) bytes += box_sums.memoryBytes();
   for (const auto& stack_sums : stack_sums_) bytes += stack_sums.memoryBytes();
   return bytes;

@@ -16,15 +16,29 @@ struct Classification {
   float confidence = 0.0F;  ///< posterior probability of the label under the model's priors
 };
 
-/// Labels blocks of support volumes with the class of greatest prior times likelihood.
+/// Probabilities of the classes for a block of support volumes.
+struct PosteriorBlock {
+  /// By class, then volume; of the model's classes they sum to 1.
+  float probability[kMaxClasses][FeatureBlock::kSize];
+  /// 0 where the greatest log-likelihood is below the model's threshold: unknown.
+  uint32_t known[FeatureBlock::kSize];
+};
+
+/// The class of greatest prior times likelihood of support volumes, block by block.
 class Classifier {
  public:
   explicit Classifier(const ClassifierModel& model);
 
   const std::vector<Feature>& features() const { return features_; }
-  /// Classifies the first `count` <= FeatureBlock::kSize volumes of the block (the rest of the
-  /// block must hold finite numbers). A volume whose greatest log-likelihood is below the model's
-  /// threshold is unknown.
+  std::size_t classes() const { return mixtures_.size(); }
+  /// Posteriors under the model's priors at a temperature (see Calibration). All of the block must
+  /// hold finite numbers.
+  void posteriors(const FeatureBlock& block, float temperature, PosteriorBlock* result) const;
+  /// Raises probabilities to the power of `sharpness` and makes them sum to 1 again.
+  void sharpen(float sharpness, PosteriorBlock* block) const;
+  /// The most probable class of the first `count` volumes, the first of equal ones.
+  void choose(const PosteriorBlock& block, int count, Classification* result) const;
+  /// posteriors at the model's temperature, then choose.
   void classify(const FeatureBlock& block, int count, Classification* result) const;
 
  private:
@@ -32,6 +46,7 @@ class Classifier {
   std::vector<GaussianMixture> mixtures_;
   std::vector<float> log_prior_;
   float unknown_log_likelihood_;
+  float temperature_;
 };
 
 }  // namespace ladar_perception

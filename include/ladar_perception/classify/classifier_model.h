@@ -26,6 +26,20 @@ struct ModelClass {
   std::vector<GaussianComponent> mixture;
 };
 
+/// What turns likelihoods into probabilities that come true as often as they say. Features of one
+/// support volume depend on one another more than a mixture knows, so bare posteriors are too sure.
+struct Calibration {
+  static constexpr int kMaxSmoothingRadius = 8;
+
+  /// Posteriors are those of likelihoods to the power of 1 / temperature.
+  double temperature = 1.0;
+  /// With smoothing: posteriors at this temperature are averaged over the voxels of the cube of
+  /// this radius, then raised to the power of the sharpness and made to sum to 1 again.
+  int smoothing_radius_voxels = 5;
+  double smoothing_temperature = 2.0;
+  double smoothing_sharpness = 1.0;
+};
+
 /// A classifier as it is kept in a file. The label of classes[i] is i + 1.
 struct ClassifierModel {
   std::vector<ModelClass> classes;
@@ -33,6 +47,7 @@ struct ClassifierModel {
   double voxel_size_m = 0.0;
   int support_radius_voxels = 0;
   std::string support_kernel = "box";
+  Calibration calibration;
   /// Support volumes whose best log-likelihood is lower are unknown; -inf to label them all.
   double unknown_log_likelihood = -std::numeric_limits<double>::infinity();
   /// Where it comes from: what was simulated or recorded, counts, seeds. For people.

@@ -32,6 +32,8 @@ class ColumnSet {
   void assignAffected(const Map& map, int radius) {
     assignAffected(map.changedColumns(), map.minCorner(), map.shape(), radius);
   }
+  /// The columns within `radius` of one of `other`, along x and along y.
+  void assignDilated(const ColumnSet& other, int radius);
 
  private:
   uint64_t* rowOf(int y) { return bits_.data() + static_cast<std::size_t>(y) * words_; }

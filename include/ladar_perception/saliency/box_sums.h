@@ -19,6 +19,10 @@ namespace ladar_perception {
 struct SupportBox {
   int radius_xy = 4;
   int radius_z = 4;
+
+  bool operator==(const SupportBox& other) const {
+    return radius_xy == other.radius_xy && radius_z == other.radius_z;
+  }
 };
 
 /// The cube of k = 2 r + 1 voxels a side.

@@ -39,6 +39,12 @@ Saliency saliencyOf(const CenteredMoments& moments, double step_m);
 /// Support volumes that are worked on together.
 constexpr int kSaliencyBlock = 64;
 
+/// Upper triangles of a block's scatter matrices, in m^2.
+struct ScatterBlock {
+  float xx[kSaliencyBlock], xy[kSaliencyBlock], xz[kSaliencyBlock];
+  float yy[kSaliencyBlock], yz[kSaliencyBlock], zz[kSaliencyBlock];
+};
+
 /// Saliencies of a block of support volumes, quantity by quantity, for loops over many at a time.
 struct SaliencyBlock {
   static constexpr int kSize = kSaliencyBlock;
@@ -50,6 +56,8 @@ struct SaliencyBlock {
   float tangent[3][kSize];
   uint32_t points[kSize];
   uint32_t defined[kSize];  ///< 1 or 0
+  ScatterBlock matrix;
+  float mean[3][kSize];  ///< of the points, from the voxel's centre, in m
 
   LADAR_INLINE void get(int i, SaliencyF* saliency) const {
     saliency->points = points[i];
@@ -67,7 +75,6 @@ struct SaliencyBlock {
     get(i, &saliency);
     return saliency;
   }
-  void set(int i, const SaliencyF& saliency);
 };
 
 /// Saliencies of `count` <= kSaliencyBlock voxels from the sums over their support volumes; the

@@ -19,7 +19,8 @@ struct TerrainConfig {
   double map_center_height_m = 0.5;
   int support_radius_voxels = 4;
   std::string support_kernel = "box";
-  int min_support_points = 5;
+  int min_support_points = 3;
+  bool smooth_labels = true;
   double min_range_m = 0.5;
   double max_range_m = 100.0;
   double forget_after_s = 0.0;

@@ -4,9 +4,11 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "ladar_perception/classify/classifier.h"
+#include "ladar_perception/classify/label_smoother.h"
 #include "ladar_perception/cloud/labeled_cloud.h"
 #include "ladar_perception/cloud/point_reader.h"
 #include "ladar_perception/map/column_set.h"
@@ -14,6 +16,7 @@
 #include "ladar_perception/map/voxel_map.h"
 #include "ladar_perception/saliency/box_stack.h"
 #include "ladar_perception/saliency/saliency.h"
+#include "ladar_perception/terrain/feature_plan.h"
 #include "ladar_perception/terrain/sensor_motion.h"
 #include "ladar_perception/terrain/terrain_config.h"
 #include "ladar_perception/util/thread_pool.h"
@@ -32,8 +35,8 @@ constexpr int kPointDrops = 5;
 const char* pointDropName(PointDrop reason);
 
 /// Stages of a scan, in order.
-enum class Stage { kRead, kInsert, kSum, kClassify, kLabel };
-constexpr int kStages = 5;
+enum class Stage { kRead, kInsert, kSum, kClassify, kSmooth, kLabel };
+constexpr int kStages = 6;
 const char* stageName(Stage stage);
 
 /// What happened to one scan.
@@ -56,8 +59,8 @@ class TerrainPipeline {
 
   /// Takes one scan: centres the map on `p_map_vehicle`, inserts the points at the places the
   /// sensor's motion puts them (`time_offsets_s` per point; empty: all at the stamp), forgets what
-  /// is too old, sums the moments over the support volumes, classifies the voxels, labels the
-  /// points. Only voxels whose support volume has changed are computed anew; what is known of all
+  /// is too old, sums the moments over the support volumes, classifies the voxels, smooths
+  /// their labels, labels the points. Only voxels whose support volume has changed are computed anew; what is known of all
   /// of them is the same, bit by bit, as if all were. `stamp_s` is looked at only for forgetting.
   /// Every coordinate of the motion and of `p_map_vehicle` must be finite and within
   /// kMaxCoordinate_m / 2. `fields` must come from findPointFields for this very cloud.
@@ -104,6 +107,7 @@ class TerrainPipeline {
   void forgetOldPoints(double stamp_s);
   /// Of the columns in `affected_`.
   void updateVoxels();
+  void smoothLabels();
   void labelPoints();
   std::size_t memoryBytes() const;
 
@@ -115,7 +119,8 @@ class TerrainPipeline {
   EvidenceSlices slices_;
   uint64_t scans_ = 0;  // since the last reset
   BoxStack stack_;
-  // One per thread: of the first for a single box, of the second for a stack.
+  FeaturePlan plan_;
+  // One per thread: of the first for a single box, of the second for several.
   std::vector<SlidingBoxSums<Moments>> box_sums_;
   std::vector<BoxStackSums<Moments>> stack_sums_;
   MotionTable motion_table_;
@@ -126,6 +131,8 @@ class TerrainPipeline {
   ColumnSet affected_;
   std::vector<SaliencyF> saliencies_;            // by slot of the map
   std::vector<Classification> classifications_;  // by slot of the map
+  std::unique_ptr<LabelSmoother> smoother_;      // none without smoothing
+  ColumnSet relabelled_;
   bool keep_features_ = false;
   std::vector<float> kept_features_;  // by slot of the map, then by feature of the model
 };
