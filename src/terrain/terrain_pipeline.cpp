@@ -123,6 +123,15 @@ class TerrainPipeline::VoxelClassifier {
       block_.get(i, &pipeline_.saliencies_[slots_[i]]);
       pipeline_.classifications_[slots_[i]] = supported ? classified[i] : Classification();
     }
+    if (pipeline_.keep_features_) keepFeatures();
+  }
+
+  void keepFeatures() {
+    const std::size_t features = pipeline_.classifier_.features().size();
+    for (int i = 0; i < count_; ++i) {
+      float* kept = pipeline_.kept_features_.data() + slots_[i] * features;
+      for (std::size_t f = 0; f < features; ++f) kept[f] = features_.row(static_cast<int>(f))[i];
+    }
   }
 
   TerrainPipeline& pipeline_;
@@ -201,6 +210,11 @@ void TerrainPipeline::reset() {
   point_cells_.clear();
   point_labels_.clear();
   report_ = ScanReport();
+}
+
+void TerrainPipeline::keepFeatures(bool keep) {
+  keep_features_ = keep;
+  if (!keep) kept_features_ = {};
 }
 
 void TerrainPipeline::scrollTo(const Eigen::Vector3d& p_map_vehicle) {
@@ -294,6 +308,7 @@ void TerrainPipeline::updateAllVoxels() {
 void TerrainPipeline::updateVoxels() {
   saliencies_.resize(map_.slotBound());
   classifications_.resize(map_.slotBound());
+  if (keep_features_) kept_features_.resize(map_.slotBound() * model_.features.size());
   const std::vector<int> rows = shareRows(map_, affected_, pool_.size());
   std::vector<VoxelClassifier> classifiers(pool_.size(), VoxelClassifier(this));
   pool_.run([&](int share) {
@@ -334,7 +349,8 @@ void TerrainPipeline::labelPoints() {
 std::size_t TerrainPipeline::memoryBytes() const {
   std::size_t bytes = map_.memoryBytes() + slices_.memoryBytes() +
                       saliencies_.capacity() * sizeof(SaliencyF) +
-                      classifications_.capacity() * sizeof(Classification);
+                      classifications_.capacity() * sizeof(Classification) +
+                      kept_features_.capacity() * sizeof(float);
   for (const auto& box_sums : box_sums_) bytes += box_sums.memoryBytes();
   for (const auto& stack_sums : stack_sums_) bytes += stack_sums.memoryBytes();
   return bytes;

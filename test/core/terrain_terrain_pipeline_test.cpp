@@ -93,6 +93,36 @@ TEST(TerrainPipeline, NormalsAndTangentsPointTheRightWay) {
   }
 }
 
+TEST(TerrainPipeline, KeepsTheFeaturesOfEveryVoxelWhenAsked) {
+  TerrainConfig config;
+  config.map_size_x_m = 12.0;
+  config.threads = 2;
+  TerrainPipeline pipeline(config, handModel());
+  TerrainPipeline without(config, handModel());
+  pipeline.keepFeatures(true);
+  for (int scan = 0; scan < 4; ++scan) {
+    const MixedScene scene(scan);
+    processAt(&pipeline, scene.points, Vector3d(0.7 * scan, 0, 0));
+    processAt(&without, scene.points, Vector3d(0.7 * scan, 0, 0));
+    const auto& features = pipeline.model().features;
+    std::size_t compared = 0;
+    pipeline.map().forEachVoxel([&](const VoxelIndex&, std::size_t slot) {
+      if (!pipeline.saliency(slot).defined) return;
+      ++compared;
+      for (std::size_t f = 0; f < features.size(); ++f) {
+        ASSERT_EQ(pipeline.features(slot)[f], featureValue(features[f], pipeline.saliency(slot)));
+      }
+    });
+    EXPECT_GT(compared, 5000u);
+    ASSERT_NO_FATAL_FAILURE(expectSameVoxels(pipeline, without));
+  }
+  const std::size_t kept_bytes = pipeline.report().memory_bytes;
+  EXPECT_GT(kept_bytes, without.report().memory_bytes);
+  pipeline.keepFeatures(false);
+  processAt(&pipeline, {}, Vector3d(2.1, 0, 0));
+  EXPECT_LT(pipeline.report().memory_bytes, kept_bytes);
+}
+
 TEST(TerrainPipeline, EveryDropIsCountedWithItsReason) {
   TerrainPipeline pipeline({}, handModel());
   const double nan = std::nan("");

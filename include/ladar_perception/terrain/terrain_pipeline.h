@@ -70,6 +70,10 @@ class TerrainPipeline {
   /// Forgets all points.
   void reset();
 
+  /// Whether the features of voxels computed from now on are kept (false at first). They are for
+  /// learning and looking at; labels need none of it, and while off it costs nothing.
+  void keepFeatures(bool keep);
+
   const TerrainConfig& config() const { return config_; }
   const ClassifierModel& model() const { return model_; }
   const VoxelMap& map() const { return map_; }
@@ -81,6 +85,12 @@ class TerrainPipeline {
   /// What is known of the occupied voxel whose record lies at this slot of the map.
   const SaliencyF& saliency(std::size_t slot) const { return saliencies_[slot]; }
   const Classification& classification(std::size_t slot) const { return classifications_[slot]; }
+  /// What the classifier saw of the occupied voxel at this slot: one value per feature of the
+  /// model, in its order. Only while features are kept, and of no meaning where
+  /// `saliency(slot).defined` is false.
+  const float* features(std::size_t slot) const {
+    return kept_features_.data() + slot * model_.features.size();
+  }
 
  private:
   class VoxelClassifier;
@@ -116,6 +126,8 @@ class TerrainPipeline {
   ColumnSet affected_;
   std::vector<SaliencyF> saliencies_;            // by slot of the map
   std::vector<Classification> classifications_;  // by slot of the map
+  bool keep_features_ = false;
+  std::vector<float> kept_features_;  // by slot of the map, then by feature of the model
 };
 
 }  // namespace ladar_perception
