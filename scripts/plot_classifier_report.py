@@ -74,8 +74,9 @@ def draw_scores(folder, report):
         axes.set_ylabel("log-likelihood per sample")
         handles, labels = axes.get_legend_handles_labels()
         more = twin.get_legend_handles_labels()
-        axes.legend(handles + more[0], labels + more[1], fontsize=7)
     figure.tight_layout()
+    figure.legend(handles + more[0], labels + more[1], loc="upper center", ncol=3, frameon=False,
+                  bbox_to_anchor=(0.5, 0.0))
     save(figure, folder, "components.png")
 
 
@@ -234,8 +235,7 @@ def draw_cloud(folder, report, cloud, name):
                          linewidths=0, rasterized=True)
             axes.set_aspect("equal")
             axes.grid(False)
-            axes.set_title(f"{titles[column]}, {view}", fontsize=10)
-            axes.set_xlabel("m")
+            axes.set_title(f"{titles[column]}, {view} (m)", fontsize=10)
     handles = [plt.Line2D([], [], marker="o", linestyle="", color=color, label=label)
                for label, color in zip(["unknown"] + report["classes"], colors)]
     figure.legend(handles=handles, loc="lower center", ncol=min(len(handles), 9), frameon=False)

@@ -241,7 +241,10 @@ TerrainConfig configFor(const ClassifierModel& model, TerrainConfig config) {
   config.voxel_size_m = model.voxel_size_m;
   config.support_radius_voxels = model.support_radius_voxels;
   config.support_kernel = model.support_kernel;
-  return config;
+  std::string violations;
+  for (const std::string& violation : config.validate()) violations += "; " + violation;
+  if (violations.empty()) return config;
+  throw std::runtime_error("the configuration does not go with the model" + violations);
 }
 
 void runLabelledPass(const Scan& cloud, const std::vector<double>& truth, Pass pass,

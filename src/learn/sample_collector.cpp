@@ -81,36 +81,55 @@ void SampleCollector::add(const TerrainPipeline& pipeline, const std::vector<dou
   }
 }
 
-void SampleCollector::offer(Pool* pool, const PlaceKey& place, const float* values) {
+void SampleCollector::offer(Pool* pool, const PlaceKey& key, const float* values) {
   ++pool->counts.voxels;
-  std::vector<Candidate>& candidates = pool->places[place];
-  const uint64_t key = random_();
-  if (candidates.size() >= pool->most_per_place) {
-    if (key >= candidates.front().key) return;
-    std::pop_heap(candidates.begin(), candidates.end());
-    candidates.pop_back();
-    --pool->kept;
-  }
-  candidates.push_back({key, std::vector<float>(values, values + features_)});
-  std::push_heap(candidates.begin(), candidates.end());
-  if (++pool->kept >= pool->thin_at) thinOut(pool);
+  Place& place = pool->places[key];
+  const uint64_t random = random_();
+  if (random >= place.key_limit) return;
+  place.candidates.push_back({random, std::vector<float>(values, values + features_)});
+  if (++pool->kept >= pool->thin_at) thinOut(pool, kKeptTimes * samples_per_class_ / 2);
 }
 
-void SampleCollector::thinOut(Pool* pool) const {
-  std::vector<std::size_t> sizes;
-  for (const auto& entry : pool->places) sizes.push_back(entry.second.size());
-  const auto shares = evenShares(sizes, kKeptTimes * samples_per_class_ / 2);
-  pool->most_per_place =
-      std::max<std::size_t>(*std::max_element(shares.begin(), shares.end()), 1);
+/// Every input's share, and of it every place's, in the order of the map.
+std::vector<std::size_t> SampleCollector::sharesOfPlaces(const Pool& pool, std::size_t total) {
+  std::map<int, std::vector<std::size_t>> sizes_by_input;
+  for (const auto& [key, place] : pool.places) {
+    sizes_by_input[key.input].push_back(place.candidates.size());
+  }
+  std::vector<std::size_t> input_sizes;
+  for (const auto& [input, sizes] : sizes_by_input) {
+    input_sizes.push_back(std::accumulate(sizes.begin(), sizes.end(), std::size_t{0}));
+  }
+  const std::vector<std::size_t> input_shares = evenShares(input_sizes, total);
+  std::vector<std::size_t> shares;
+  auto input_share = input_shares.begin();
+  for (const auto& [input, sizes] : sizes_by_input) {
+    for (const std::size_t share : evenShares(sizes, *input_share)) shares.push_back(share);
+    ++input_share;
+  }
+  return shares;
+}
+
+/// Leaves about `most` candidates, shared as samples will be. What stays of a place is what has keys
+/// below a limit, now and later: still a random part of all that it had to offer.
+void SampleCollector::thinOut(Pool* pool, std::size_t most) {
+  const std::vector<std::size_t> shares = sharesOfPlaces(*pool, most);
+  auto share = shares.begin();
   pool->kept = 0;
   for (auto& entry : pool->places) {
-    std::vector<Candidate>& candidates = entry.second;
-    std::sort(candidates.begin(), candidates.end());
-    candidates.resize(std::min(candidates.size(), pool->most_per_place));
-    std::make_heap(candidates.begin(), candidates.end());
-    pool->kept += candidates.size();
+    Place& place = entry.second;
+    const std::size_t stay = std::max<std::size_t>(*share++, 1);
+    if (stay < place.candidates.size()) {
+      const auto limit = place.candidates.begin() + static_cast<std::ptrdiff_t>(stay);
+      std::nth_element(
+          place.candidates.begin(), limit, place.candidates.end(),
+          [](const Candidate& a, const Candidate& b) { return a.key < b.key; });
+      place.key_limit = limit->key;
+      place.candidates.erase(limit, place.candidates.end());
+    }
+    pool->kept += place.candidates.size();
   }
-  // Where there are more places than samples, one of each is kept all the same.
+  // Where there are more places than samples, one of each stays all the same.
   pool->thin_at = std::max(pool->thin_at, 2 * pool->kept);
 }
 
@@ -121,35 +140,25 @@ ClassCounts SampleCollector::counts(std::size_t class_index) const {
 }
 
 Samples SampleCollector::samples(std::size_t class_index) const {
-  const auto& places = pools_[class_index].places;
-  std::map<int, std::vector<std::size_t>> sizes_by_input;
-  for (const auto& [key, candidates] : places) sizes_by_input[key.input].push_back(candidates.size());
-  std::vector<std::size_t> input_sizes;
-  for (const auto& [input, sizes] : sizes_by_input) {
-    input_sizes.push_back(std::accumulate(sizes.begin(), sizes.end(), std::size_t{0}));
-  }
-  const auto input_shares = evenShares(input_sizes, samples_per_class_);
-  std::vector<std::size_t> shares;  // by place
-  auto input_share = input_shares.begin();
-  for (const auto& [input, sizes] : sizes_by_input) {
-    for (const std::size_t share : evenShares(sizes, *input_share)) shares.push_back(share);
-    ++input_share;
-  }
-  Samples samples;
+  const Pool& pool = pools_[class_index];
+  const std::vector<std::size_t> shares = sharesOfPlaces(pool, samples_per_class_);
   const std::size_t total = std::accumulate(shares.begin(), shares.end(), std::size_t{0});
+  Samples samples;
   samples.values.resize(static_cast<Eigen::Index>(features_), static_cast<Eigen::Index>(total));
-  std::size_t place = 0;
-  for (const auto& entry : places) {
-    std::vector<Candidate> candidates = entry.second;
-    std::sort(candidates.begin(), candidates.end());
-    for (std::size_t i = 0; i < shares[place]; ++i) {
+  std::size_t number = 0;
+  for (const auto& entry : pool.places) {
+    std::vector<const Candidate*> candidates;
+    for (const Candidate& candidate : entry.second.candidates) candidates.push_back(&candidate);
+    std::sort(candidates.begin(), candidates.end(),
+              [](const Candidate* a, const Candidate* b) { return a->key < b->key; });
+    for (std::size_t i = 0; i < shares[number]; ++i) {
       const auto column = static_cast<Eigen::Index>(samples.places.size());
       samples.values.col(column) =
-          Eigen::Map<const Eigen::VectorXf>(candidates[i].values.data(), samples.values.rows())
+          Eigen::Map<const Eigen::VectorXf>(candidates[i]->values.data(), samples.values.rows())
               .cast<double>();
-      samples.places.push_back(place);
+      samples.places.push_back(number);
     }
-    ++place;
+    ++number;
   }
   return samples;
 }

@@ -18,7 +18,8 @@ namespace ladar_perception {
 using LabelledScanVisitor =
     std::function<void(const TerrainPipeline& pipeline, const std::vector<double>& truth)>;
 
-/// The configuration for a model: voxels and supports are the model's.
+/// The configuration for a model: voxels and supports are the model's. Throws std::runtime_error with
+/// what does not go together then, such as a map of too many of its voxels.
 TerrainConfig configFor(const ClassifierModel& model, TerrainConfig config);
 
 /// Sends a cloud with one truth per point through new pipelines that keep features. `config` must

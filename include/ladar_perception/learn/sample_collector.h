@@ -71,19 +71,22 @@ class SampleCollector {
   struct Candidate {
     uint64_t key = 0;
     std::vector<float> values;
-    bool operator<(const Candidate& other) const { return key < other.key; }
+  };
+  struct Place {
+    std::vector<Candidate> candidates;
+    uint64_t key_limit = UINT64_MAX;  // candidates have lower keys
   };
   struct Pool {
     ClassCounts counts;
-    std::map<PlaceKey, std::vector<Candidate>> places;  // each a heap by key
-    std::size_t kept = 0;
-    std::size_t most_per_place = SIZE_MAX;
-    std::size_t thin_at = 0;  // kept candidates
+    std::map<PlaceKey, Place> places;
+    std::size_t kept = 0;     // candidates
+    std::size_t thin_at = 0;  // candidates
   };
 
   bool isNewInScan(std::size_t slot, std::size_t class_index);
   void offer(Pool* pool, const PlaceKey& place, const float* values);
-  void thinOut(Pool* pool) const;
+  static void thinOut(Pool* pool, std::size_t most);
+  static std::vector<std::size_t> sharesOfPlaces(const Pool& pool, std::size_t total);
 
   std::size_t features_;
   std::size_t samples_per_class_;
