@@ -33,10 +33,11 @@ void addOptions(CLI::App* app, Options* o) {
   app->add_option("--report", o->report, "folder to write report.json and pictures to");
   app->add_option("--config", o->config,
                   "parameters, as config/terrain.yaml; voxels and supports are the model's");
-  app->add_option("--pass", o->pass,
-                  "how clouds go through the pipeline: whole (in one scan) or stream (as scans of a "
-                  "vehicle that drives through it, with the map of --config); bags are played as "
-                  "recorded")
+  app->add_option(
+         "--pass", o->pass,
+         "how clouds go through the pipeline: whole (in one scan) or stream (as scans of a "
+         "vehicle that drives through it, with the map of --config); bags are played as "
+         "recorded")
       ->check(CLI::IsMember({"whole", "stream"}))
       ->capture_default_str();
   app->add_option("--threads", o->threads, "in place of the configuration's")
@@ -82,8 +83,8 @@ void run(const Options& options) {
   }
   std::vector<EvaluatedInput> evaluated;
   for (const LabelledInput& input : source.inputs()) {
-    evaluated.push_back(evaluate(source, input, passFromName(options.pass), config, model,
-                                 pictures.get()));
+    evaluated.push_back(
+        evaluate(source, input, passFromName(options.pass), config, model, pictures.get()));
   }
   for (const EvaluatedInput& input : evaluated) {
     std::printf("%s (%s): mean recall %.3f, mean F1 %.3f, %llu points\n", input.name.c_str(),
@@ -107,7 +108,8 @@ void run(const Options& options) {
 int main(int argc, char** argv) {
   ladar_perception::Options options;
   CLI::App app(
-      "Judges a model on labelled clouds and bags: confusion, recall, precision, F1 and calibration "
+      "Judges a model on labelled clouds and bags: confusion, recall, precision, F1 and "
+      "calibration "
       "by report.json, a table and pictures. Every labelled point counts; unknown ones are wrong.");
   ladar_perception::addOptions(&app, &options);
   CLI11_PARSE(app, argc, argv);

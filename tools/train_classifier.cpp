@@ -5,9 +5,9 @@
 #include <iostream>
 #include <memory>
 
+#include "labelled_source.h"
 #include "ladar_perception/learn/sample_collector.h"
 #include "ladar_perception/learn/trainer.h"
-#include "labelled_source.h"
 #include "report_folder.h"
 
 namespace ladar_perception {
@@ -151,8 +151,7 @@ void printTraining(const Training& training) {
     const ClassTraining& one = training.classes[c];
     std::printf("%s: %zu samples from %zu places, of %llu points; %zu components\n",
                 training.model.classes[c].name.c_str(), one.samples.size(), one.counts.places,
-                static_cast<unsigned long long>(one.counts.points),
-                one.mixture.components.size());
+                static_cast<unsigned long long>(one.counts.points), one.mixture.components.size());
   }
   for (const std::string& feature : training.constant_features) {
     std::fprintf(stderr, "warning: feature '%s' is the same in all samples: it tells nothing\n",
@@ -194,7 +193,8 @@ int main(int argc, char** argv) {
   ladar_perception::Options options;
   CLI::App app(
       "Learns a model of two to sixteen classes from labelled clouds and from bags whose clouds "
-      "have a field 'truth' (1 surface, 2 scatter, 3 linear, else ignored) or labels that --classes "
+      "have a field 'truth' (1 surface, 2 scatter, 3 linear, else ignored) or labels that "
+      "--classes "
       "maps. Features are computed scan by scan, by the code that runs on the vehicle.");
   ladar_perception::addOptions(&app, &options);
   CLI11_PARSE(app, argc, argv);

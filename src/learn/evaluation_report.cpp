@@ -29,7 +29,8 @@ void addScores(const ClassifierModel& model, const LabelScores& scores, Json* js
   for (const char* key : {"recall", "precision", "f1"}) out[key] = Json::object();
   for (std::size_t truth = 1; truth <= classes; ++truth) {
     Json row = Json::array();
-    for (std::size_t label = 1; label <= classes; ++label) row.push_back(scores.count(truth, label));
+    for (std::size_t label = 1; label <= classes; ++label)
+      row.push_back(scores.count(truth, label));
     out["confusion"].push_back(row);
     out["unknown"].push_back(scores.count(truth, 0));
     const std::string& name = model.classes[truth - 1].name;

@@ -32,7 +32,10 @@ std::optional<double> meanOver(std::size_t classes, ValueOf valueOf) {
 }  // namespace
 
 LabelScores::LabelScores(std::size_t classes)
-    : classes_(classes), counts_(classes * (classes + 1), 0), outside_(classes, 0), bins_(classes) {}
+    : classes_(classes),
+      counts_(classes * (classes + 1), 0),
+      outside_(classes, 0),
+      bins_(classes) {}
 
 void LabelScores::add(std::size_t truth, const PointLabel& label, bool in_map) {
   assert(truth >= 1 && truth <= classes_ && label.label <= classes_);

@@ -74,11 +74,11 @@ const ScanReport& processScan(const Scan& scan, const Eigen::Isometry3d& T_map_s
 
 /// How a cloud is laid out in maps: one map for all, or a grid of pieces.
 struct Tiling {
-  TerrainConfig config;          ///< of every piece's map
-  Eigen::Vector2d origin_m;      ///< lowest corner of piece (0, 0)
-  Eigen::Vector2d step_m;        ///< from a piece to the next; a map is wider by twice the margin
+  TerrainConfig config;      ///< of every piece's map
+  Eigen::Vector2d origin_m;  ///< lowest corner of piece (0, 0)
+  Eigen::Vector2d step_m;    ///< from a piece to the next; a map is wider by twice the margin
   double margin_m = 0.0;
-  double ground_z_m = 0.0;       ///< lower end of the maps
+  double ground_z_m = 0.0;  ///< lower end of the maps
 };
 
 /// From the lowest to the highest point, or, if no map is that high, from where most points begin.

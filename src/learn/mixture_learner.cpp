@@ -54,9 +54,9 @@ std::vector<GaussianComponent> fit(const Eigen::MatrixXd& values, const Eigen::V
                        static_cast<arma::uword>(scaled.cols()));
   arma::arma_rng::set_seed(seed);
   arma::gmm_full mixture;
-  const bool learned = mixture.learn(data, static_cast<arma::uword>(components), arma::maha_dist,
-                                     arma::static_spread, kKMeansIterations, kEmIterations,
-                                     kLeastVariance, false);
+  const bool learned =
+      mixture.learn(data, static_cast<arma::uword>(components), arma::maha_dist,
+                    arma::static_spread, kKMeansIterations, kEmIterations, kLeastVariance, false);
   if (!learned) {
     throw std::runtime_error("expectation maximisation failed with " + std::to_string(components) +
                              " components on " + std::to_string(values.cols()) + " samples");
@@ -157,8 +157,8 @@ std::vector<int> feasibleCandidates(const Samples& samples, const MixtureOptions
 }
 
 void scoreHeldOut(const Samples& samples, const std::vector<Columns>& folds,
-                  const Eigen::VectorXd& floor, uint64_t seed,
-                  const std::function<void()>& advance, MixtureScore* score) {
+                  const Eigen::VectorXd& floor, uint64_t seed, const std::function<void()>& advance,
+                  MixtureScore* score) {
   std::vector<double> means;
   for (std::size_t left_out = 0; left_out < folds.size(); ++left_out) {
     Columns learned;
@@ -254,8 +254,7 @@ LearnedMixture learnMixture(const Samples& samples, const Eigen::VectorXd& floor
       if (!folds.empty()) scoreHeldOut(few, folds, floor, options.seed, advance, &score);
       learned.scores.push_back(score);
     }
-    components =
-        folds.empty() ? bestByBic(learned.scores) : bestByHeldOut(learned.scores);
+    components = folds.empty() ? bestByBic(learned.scores) : bestByHeldOut(learned.scores);
   }
   learned.components = fit(samples.values, floor, components, options.seed);
   if (advance) advance();

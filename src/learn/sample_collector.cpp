@@ -110,8 +110,8 @@ std::vector<std::size_t> SampleCollector::sharesOfPlaces(const Pool& pool, std::
   return shares;
 }
 
-/// Leaves about `most` candidates, shared as samples will be. What stays of a place is what has keys
-/// below a limit, now and later: still a random part of all that it had to offer.
+/// Leaves about `most` candidates, shared as samples will be. What stays of a place is what has
+/// keys below a limit, now and later: still a random part of all that it had to offer.
 void SampleCollector::thinOut(Pool* pool, std::size_t most) {
   const std::vector<std::size_t> shares = sharesOfPlaces(*pool, most);
   auto share = shares.begin();
@@ -121,9 +121,8 @@ void SampleCollector::thinOut(Pool* pool, std::size_t most) {
     const std::size_t stay = std::max<std::size_t>(*share++, 1);
     if (stay < place.candidates.size()) {
       const auto limit = place.candidates.begin() + static_cast<std::ptrdiff_t>(stay);
-      std::nth_element(
-          place.candidates.begin(), limit, place.candidates.end(),
-          [](const Candidate& a, const Candidate& b) { return a.key < b.key; });
+      std::nth_element(place.candidates.begin(), limit, place.candidates.end(),
+                       [](const Candidate& a, const Candidate& b) { return a.key < b.key; });
       place.key_limit = limit->key;
       place.candidates.erase(limit, place.candidates.end());
     }

@@ -56,8 +56,9 @@ Eigen::VectorXd covarianceFloor(const FeatureSpread& spread, const std::vector<F
   Eigen::VectorXd floor = kCovarianceFloor * spread.variance;
   for (Eigen::Index f = 0; f < floor.size(); ++f) {
     const double magnitude = std::abs(spread.mean[f]);
-    // float32 tells no smaller variances from rounding.
-    if (spread.variance[f] > 1e-12 * magnitude * magnitude && spread.variance[f] > 1e-24) continue;
+    // Less is rounding.
+    const double least = 1e-6 * std::max(1.0, magnitude);
+    if (spread.variance[f] > least * least) continue;
     floor[f] = std::max(magnitude * magnitude, 1.0);
     constant_features->emplace_back(featureName(features[static_cast<std::size_t>(f)]));
   }
@@ -74,7 +75,8 @@ double unknownThreshold(const ClassifierModel& model, const std::vector<ClassTra
       const std::vector<double> likelihoods = logLikelihoods(mixture, one.samples.values);
       for (std::size_t i = 0; i < best.size(); ++i) best[i] = std::max(best[i], likelihoods[i]);
     }
-    const auto index = static_cast<std::ptrdiff_t>(kUnknownShare * static_cast<double>(best.size()));
+    const auto index =
+        static_cast<std::ptrdiff_t>(kUnknownShare * static_cast<double>(best.size()));
     std::nth_element(best.begin(), best.begin() + index, best.end());
     threshold = std::min(threshold, best[static_cast<std::size_t>(index)]);
   }
@@ -139,7 +141,7 @@ Json classJson(const ModelClass& model_class, const ClassTraining& one) {
                {"places", one.counts.places},
                {"samples", one.samples.size()},
                {"components", one.mixture.components.size()},
-               {"chosen_by", one.mixture.scores.empty()                          ? "given"
+               {"chosen_by", one.mixture.scores.empty()                        ? "given"
                              : one.mixture.choice == ComponentChoice::kHeldOut ? "held_out"
                                                                                : "bic"},
                {"scores", scoresJson(one)}};
@@ -216,8 +218,7 @@ Training trainClassifier(const SampleCollector& collector, ClassifierModel frame
   for (std::size_t c = 0; c < frame.classes.size(); ++c) {
     ClassTraining& one = training.classes[c];
     try {
-      one.mixture =
-          learnMixture(one.samples, floor, options.mixture, [&] { progress.advance(); });
+      one.mixture = learnMixture(one.samples, floor, options.mixture, [&] { progress.advance(); });
     } catch (const std::runtime_error& error) {
       throw std::runtime_error("class '" + frame.classes[c].name + "': " + error.what());
     }

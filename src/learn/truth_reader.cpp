@@ -55,8 +55,8 @@ TruthReader::TruthReader(const ClassMapping& mapping, const std::string& label_f
 
 TruthReader::TruthReader(const std::vector<std::string>& class_names) : field_("truth") {
   const std::vector<std::string>& terrain = terrainClassNames();
-  const bool permuted = std::is_permutation(class_names.begin(), class_names.end(),
-                                            terrain.begin(), terrain.end());
+  const bool permuted =
+      std::is_permutation(class_names.begin(), class_names.end(), terrain.begin(), terrain.end());
   class_of_truth_ = matchNames(permuted ? terrain : class_names, class_names);
 }
 

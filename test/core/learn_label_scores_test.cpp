@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ladar_perception/learn/label_scores.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "ladar_perception/learn/label_scores.h"
 
 namespace ladar_perception {
 namespace {

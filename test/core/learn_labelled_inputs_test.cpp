@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ladar_perception/learn/labelled_inputs.h"
-
 #include "io_test_files.h"
+#include "ladar_perception/learn/labelled_inputs.h"
 
 namespace ladar_perception {
 namespace {

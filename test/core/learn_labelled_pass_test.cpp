@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ladar_perception/learn/labelled_pass.h"
-
 #include <cmath>
 #include <limits>
 #include <map>
 
 #include "hand_model.h"
 #include "io_test_files.h"
+#include "ladar_perception/learn/labelled_pass.h"
 #include "terrain_scenes.h"
 
 namespace ladar_perception {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ladar_perception/learn/sample_collector.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <set>
 
 #include "hand_model.h"
+#include "ladar_perception/learn/sample_collector.h"
 #include "terrain_scenes.h"
 
 namespace ladar_perception {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ladar_perception/learn/truth_reader.h"
-
 #include <cmath>
 
 #include "io_test_files.h"
+#include "ladar_perception/learn/truth_reader.h"
 
 namespace ladar_perception {
 namespace {
@@ -38,15 +37,21 @@ TEST(LearnTruthReader, MatchesClassesByName) {
 }
 
 TEST(LearnTruthReader, RefusesAClassTheModelDoesNotKnow) {
-  expectError([] { TruthReader(mappingOf({"wall", "lake"}), "label", {"wall", "bush"}); },
-              {"'lake'", "wall, bush"});
+  expectError(
+      [] {
+        TruthReader(mappingOf({"wall", "lake"}), "label", {"wall", "bush"});
+      },
+      {"'lake'", "wall, bush"});
 }
 
 TEST(LearnTruthReader, TruthFieldCountsClassesOfTheModel) {
   const TruthReader reader({"a", "b", "c", "d"});
   EXPECT_EQ(read(reader, scanWith("truth", {0, 4, 1, 2})), (Values{0, 4, 1, 2}));
-  expectError([&] { read(reader, scanWith("truth", {1, 5})); },
-              {"'truth'", "point 1", "5", "4 classes", "--classes"});
+  expectError(
+      [&] {
+        read(reader, scanWith("truth", {1, 5}));
+      },
+      {"'truth'", "point 1", "5", "4 classes", "--classes"});
 }
 
 TEST(LearnTruthReader, TruthOfTerrainIsByNameToo) {
@@ -61,8 +66,11 @@ TEST(LearnTruthReader, NamesWhatIsMissingOrWrong) {
               {"no field 'truth'", "--classes", "label:float32"});
   const TruthReader by_label(mappingOf({"a", "b"}), "kind", {"a", "b"});
   expectError([&] { read(by_label, scanWith("label", {1})); }, {"no field 'kind'", "label"});
-  expectError([&] { read(by_label, scanWith("kind", {10, 2.5})); },
-              {"'kind'", "point 1", "2.5", "integer"});
+  expectError(
+      [&] {
+        read(by_label, scanWith("kind", {10, 2.5}));
+      },
+      {"'kind'", "point 1", "2.5", "integer"});
   expectError([&] { read(by_label, scanWith("kind", {-1})); }, {"point 0", "-1"});
   expectError([&] { read(by_label, scanWith("kind", {std::nan("")})); }, {"point 0", "nan"});
 }

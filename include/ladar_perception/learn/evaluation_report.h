@@ -17,8 +17,8 @@ struct EvaluatedInput {
   LabelScores scores;
 };
 
-/// The JSON text: classes; confusion, a row per true class, a column per class; unknown, a count per
-/// true class; recall, precision and f1 by name (null where nothing tells them); mean_recall,
+/// The JSON text: classes; confusion, a row per true class, a column per class; unknown, a count
+/// per true class; recall, precision and f1 by name (null where nothing tells them); mean_recall,
 /// mean_f1, overall_accuracy, unknown_share, points, points_outside_map, mean_recall_in_map;
 /// calibration {ece, class_balanced_ece, bins, class_balanced_bins}; inputs, and per_input with the
 /// same for each.

@@ -74,8 +74,8 @@ class LabelScores {
   uint64_t labelCount(std::size_t label) const;
 
   std::size_t classes_;
-  std::vector<uint64_t> counts_;   // by truth, then label
-  std::vector<uint64_t> outside_;  // by truth
+  std::vector<uint64_t> counts_;              // by truth, then label
+  std::vector<uint64_t> outside_;             // by truth
   std::vector<std::array<Bin, kBins>> bins_;  // by truth
 };
 

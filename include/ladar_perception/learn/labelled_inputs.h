@@ -31,8 +31,9 @@ struct LabelledInput {
   std::vector<LabelledFile> files;
 };
 
-/// Inputs by the extensions of their files (.xyz_label_conf .bin .pcd .ply .xyz .csv .vtk .3d .bag);
-/// `format_name` (of scanFormatNames(), or "bag") tells it for all inputs whatever they are called,
+/// Inputs by the extensions of their files (.xyz_label_conf .bin .pcd .ply .xyz .csv .vtk .3d
+/// .bag); `format_name` (of scanFormatNames(), or "bag") tells it for all inputs whatever they are
+/// called,
 /// "" does not. Throws std::runtime_error that names the input: it does not exist, its extension is
 /// unknown, or a folder has no such files or files of several formats.
 std::vector<LabelledInput> listLabelledInputs(const std::vector<std::string>& arguments,

@@ -13,13 +13,13 @@
 
 namespace ladar_perception {
 
-/// Called after every scan with the pipeline and the truth of the scan's points (0 is ignored). Over
-/// all calls of one pass every point has its truth once.
+/// Called after every scan with the pipeline and the truth of the scan's points (0 is ignored).
+/// Over all calls of one pass every point has its truth once.
 using LabelledScanVisitor =
     std::function<void(const TerrainPipeline& pipeline, const std::vector<double>& truth)>;
 
-/// The configuration for a model: voxels and supports are the model's. Throws std::runtime_error with
-/// what does not go together then, such as a map of too many of its voxels.
+/// The configuration for a model: voxels and supports are the model's. Throws std::runtime_error
+/// with what does not go together then, such as a map of too many of its voxels.
 TerrainConfig configFor(const ClassifierModel& model, TerrainConfig config);
 
 /// Sends a cloud with one truth per point through new pipelines that keep features. `config` must
@@ -30,8 +30,8 @@ TerrainConfig configFor(const ClassifierModel& model, TerrainConfig config);
 /// pieces; points in an overlap count once, where their surroundings are complete. kStream cuts it
 /// as import_scans does and uses `config` as it is: the map does not hold what is far off.
 /// Coordinates may be anything finite: the cloud is brought near the origin first, by whole voxels.
-/// `name` is what progress is shown for. Throws std::runtime_error if the cloud has no points or its
-/// x, y, z cannot be read.
+/// `name` is what progress is shown for. Throws std::runtime_error if the cloud has no points or
+/// its x, y, z cannot be read.
 void runLabelledPass(const Scan& cloud, const std::vector<double>& truth, Pass pass,
                      const TerrainConfig& config, const ClassifierModel& model,
                      const std::string& name, const LabelledScanVisitor& visit);

@@ -15,8 +15,8 @@ namespace ladar_perception {
 
 /// Samples of one class.
 struct Samples {
-  Eigen::MatrixXd values;         ///< features x samples
-  std::vector<std::size_t> places;  ///< per sample, which place it is from; places are consecutive
+  Eigen::MatrixXd values;           ///< features x samples
+  std::vector<std::size_t> places;  ///< per sample, the number of its place; ascending
 
   std::size_t size() const { return static_cast<std::size_t>(values.cols()); }
 };

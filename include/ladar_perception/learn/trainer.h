@@ -31,7 +31,7 @@ struct ClassTraining {
 struct Training {
   ClassifierModel model;
   std::vector<ClassTraining> classes;
-  Eigen::VectorXd deviation;            ///< of each feature, every class weighing the same
+  Eigen::VectorXd deviation;                   ///< of each feature, every class weighing the same
   std::vector<std::string> constant_features;  ///< that had one value in all samples
 };
 

@@ -98,9 +98,9 @@ void LabelledSource::forEachLabelledScan(const LabelledFile& file, Pass pass,
       playBag(file.path, reader, config, model, visit);
       return;
     }
-    const Scan scan = readScan(file.path, *file.format,
-                               *file.format == ScanFormat::kXyz ? options_.columns
-                                                                : std::vector<std::string>());
+    const Scan scan =
+        readScan(file.path, *file.format,
+                 *file.format == ScanFormat::kXyz ? options_.columns : std::vector<std::string>());
     if (scan.size() == 0) throw std::runtime_error("has no points");
     const auto truth = reader.read({scan.layout, scan.data.data(), scan.data.size()});
     runLabelledPass(scan, truth, pass, config.pipeline, model, file.path, visit);
@@ -131,8 +131,8 @@ void LabelledSource::playBag(const std::string& path, const TruthReader& reader,
       continue;
     }
     any = true;
-    visit(processor.pipeline(), reader.read({processor.scanLayout(), scan.cloud->data.data(),
-                                             scan.cloud->data.size()}));
+    visit(processor.pipeline(),
+          reader.read({processor.scanLayout(), scan.cloud->data.data(), scan.cloud->data.size()}));
   }
   progress.finish();
   if (!any) {

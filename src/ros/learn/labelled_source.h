@@ -38,8 +38,9 @@ class LabelledSource {
   const std::optional<ClassMapping>& mapping() const { return mapping_; }
 
   /// One pass over a file, for a model that fits `config`; see LabelledScanVisitor. Without
-  /// --classes, Oakland tiles and SemanticKITTI scans have the shipped mapping whose classes are the
-  /// model's; of others the field `truth` is taken. Throws std::runtime_error that names the file.
+  /// --classes, Oakland tiles and SemanticKITTI scans have the shipped mapping whose classes are
+  /// the model's; of others the field `truth` is taken. Throws std::runtime_error that names the
+  /// file.
   void forEachLabelledScan(const LabelledFile& file, Pass pass, const TerrainNodeConfig& config,
                            const ClassifierModel& model, const LabelledScanVisitor& visit) const;
 
