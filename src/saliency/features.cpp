@@ -232,6 +232,12 @@ const std::vector<QuantityInfo>& allQuantities() {
   return kQuantities;
 }
 
+const QuantityInfo& quantityInfo(Quantity quantity) {
+  const auto& all = allQuantities();
+  return *std::find_if(all.begin(), all.end(),
+                       [&](const QuantityInfo& info) { return info.quantity == quantity; });
+}
+
 bool isOfColumns(Quantity quantity) {
   return quantity == Quantity::kLogHeight || quantity == Quantity::kSqrtHeight ||
          quantity == Quantity::kLogGroundHeight || quantity == Quantity::kLogFill;
@@ -258,10 +264,7 @@ Feature parseFeature(const std::string& name) {
 }
 
 std::string featureName(const Feature& feature) {
-  std::string name;
-  for (const QuantityInfo& info : allQuantities()) {
-    if (feature.quantity == info.quantity) name = info.name;
-  }
+  std::string name = quantityInfo(feature.quantity).name;
   if (feature.isOfConfiguredSupport()) return name;
   name += "@" + std::to_string(feature.box.radius_xy);
   const bool is_cube = feature.box.radius_z == feature.box.radius_xy;
@@ -275,6 +278,10 @@ const std::vector<FeatureSet>& featureSets() {
       {"directions",
        "saliencies, and the angles of normal and tangent",
        {"cbrt_scatter", "cbrt_surface", "cbrt_linear", "normal_angle", "tangent_angle"}},
+      {"standard",
+       "what holds on scenes and sensors that were not learned from",
+       {"spread_angle", "horizontal_ratio", "log_fill@1", "cbrt_surface", "cbrt_scatter",
+        "normal_angle", "log_ground_height@20"}},
   };
   return kSets;
 }

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <set>
+
 #include "io_test_files.h"
 #include "ladar_perception/io/class_mapping.h"
 
@@ -16,6 +18,26 @@ TEST(IoClassMapping, CountsClassesFromOne) {
   EXPECT_EQ(mapping.truth(3), 0);
 }
 
+TEST(IoClassMapping, TakesColorsOrChoosesThem) {
+  const ClassMapping mapping = loadClassMapping(
+      writeFile("c.yaml",
+                "classes:\n  - {name: a, labels: [1]}\n  - {name: linear, labels: [2]}\n"
+                "  - {name: b, labels: [3], color: \"#0072B2\"}\n  - {name: c, labels: [4]}\n"));
+  // The first of the palette is taken by b.
+  EXPECT_EQ(mapping.colors, (std::vector<uint32_t>{0xe69f00, 0x3264ff, 0x0072b2, 0x009e73}));
+}
+
+TEST(IoClassMapping, SixteenClassesHaveSixteenColors) {
+  Names names;
+  for (int i = 0; i < 13; ++i) names.push_back("class " + std::to_string(i));
+  names.insert(names.end(), {"surface", "scatter", "linear"});
+  const std::vector<uint32_t> colors = classColors(names, {});
+  const std::set<uint32_t> different(colors.begin(), colors.end());
+  EXPECT_EQ(different.size(), 16u);
+  EXPECT_EQ(different.count(kNoColor), 0u);
+  EXPECT_EQ(colors[13], 0xdc2828u);
+}
+
 TEST(IoClassMapping, ShipsThreeAndFiveClasses) {
   const std::string folder = LADAR_SOURCE_DIR "/config/classes/";
   const ClassMapping three = loadClassMapping(folder + "oakland_three.yaml");
@@ -28,6 +50,19 @@ TEST(IoClassMapping, ShipsThreeAndFiveClasses) {
   EXPECT_EQ(five.names, (Names{"wire", "pole_trunk", "ground", "vegetation", "facade"}));
   EXPECT_EQ(five.truth(1411), 5);
   EXPECT_EQ(five.truth(1501), 0);
+  EXPECT_EQ(three.colors, classColors(three.names, {}));
+  EXPECT_EQ(five.colors.size(), 5u);
+}
+
+TEST(IoClassMapping, ShipsSemanticKitti) {
+  const ClassMapping kitti =
+      loadClassMapping(LADAR_SOURCE_DIR "/config/classes/semantic_kitti_three.yaml");
+  EXPECT_EQ(kitti.names, (Names{"surface", "scatter", "linear"}));
+  EXPECT_EQ(kitti.truth(40), 1);   // road
+  EXPECT_EQ(kitti.truth(252), 1);  // moving car
+  EXPECT_EQ(kitti.truth(70), 2);   // vegetation
+  EXPECT_EQ(kitti.truth(80), 3);   // pole
+  EXPECT_EQ(kitti.truth(0), 0);    // unlabeled
 }
 
 TEST(IoClassMapping, NamesWhatIsWrongAndWhere) {
@@ -37,18 +72,28 @@ TEST(IoClassMapping, NamesWhatIsWrongAndWhere) {
   };
   expectMessage("class: []\n", {"bad.yaml:1", "unknown key 'class'", "classes"});
   expectMessage("", {"bad.yaml", "classes"});
-  expectMessage("classes: []\n", {"bad.yaml:1", "1 to 255"});
-  expectMessage("classes:\n  - name: a\n", {"bad.yaml:2", "no 'labels'"});
-  expectMessage("classes:\n  - name: a\n    labels: [1]\n    color: red\n",
-                {"bad.yaml:4", "unknown key 'color'"});
+  expectMessage("classes: []\n", {"bad.yaml:1", "2 to 16"});
+  expectMessage("classes: [{name: a, labels: [1]}]\n", {"bad.yaml:1", "2 to 16"});
+  const std::string end = "  - {name: z, labels: [99]}\n";
+  expectMessage("classes:\n  - name: a\n" + end, {"bad.yaml:2", "no 'labels'"});
+  expectMessage("classes:\n  - name: a\n    labels: [1]\n    colour: red\n" + end,
+                {"bad.yaml:4", "unknown key 'colour'", "color"});
+  expectMessage("classes:\n  - name: a\n    labels: [1]\n    color: red\n" + end,
+                {"bad.yaml:4", "'red'", "#rrggbb"});
+  expectMessage(
+      "classes:\n  - {name: a, labels: [1], color: \"#102030\"}\n"
+      "  - {name: b, labels: [2], color: \"#102030\"}\n",
+      {"bad.yaml:3", "second class", "#102030"});
+  expectMessage("classes:\n  - {name: unknown, labels: [1]}\n" + end, {"bad.yaml:2", "'unknown'"});
   expectMessage("classes:\n  - {name: a, labels: [1]}\n  - {name: b, labels: [2, 1]}\n",
                 {"bad.yaml:3", "label 1", "'a' already"});
   expectMessage("classes:\n  - {name: a, labels: [1]}\n  - {name: a, labels: [2]}\n",
                 {"bad.yaml:3", "second class", "'a'"});
-  expectMessage("classes: [{name: a, labels: [grass]}]\n", {"bad.yaml:1", "'grass'", "integer"});
-  expectMessage("classes: [{name: a, labels: [1.5]}]\n", {"'1.5'"});
-  expectMessage("classes: [{name: a, labels: [-3]}]\n", {"'-3'"});
-  expectMessage("classes: [{name: a, labels: 3}]\n", {"list of integers"});
+  expectMessage("classes: [{name: a, labels: [grass]}, {name: z, labels: [9]}]\n",
+                {"bad.yaml:1", "'grass'", "integer"});
+  expectMessage("classes: [{name: a, labels: [1.5]}, {name: z, labels: [9]}]\n", {"'1.5'"});
+  expectMessage("classes: [{name: a, labels: [-3]}, {name: z, labels: [9]}]\n", {"'-3'"});
+  expectMessage("classes: [{name: a, labels: 3}, {name: z, labels: [9]}]\n", {"list of integers"});
   expectMessage("classes:\n  - [\n", {"bad.yaml:"});
   expectError([] { loadClassMapping("/nowhere.yaml"); }, {"/nowhere.yaml", "cannot be opened"});
 }

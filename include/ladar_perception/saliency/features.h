@@ -53,6 +53,7 @@ struct QuantityInfo {
 
 /// Every quantity there is.
 const std::vector<QuantityInfo>& allQuantities();
+const QuantityInfo& quantityInfo(Quantity quantity);
 /// Whether it is of the columns around a voxel, not of a support volume.
 bool isOfColumns(Quantity quantity);
 /// The layer that a quantity of columns is computed from.
