@@ -98,9 +98,8 @@ void Classifier::choose(const PosteriorBlock& block, int count, Classification* 
     }
   });
   for (int i = 0; i < count; ++i) {
-    result[i] = block.known[i] != 0
-                    ? Classification{static_cast<uint8_t>(best[i] + 1), greatest[i]}
-                    : Classification();
+    result[i] = block.known[i] != 0 ? Classification{static_cast<uint8_t>(best[i] + 1), greatest[i]}
+                                    : Classification();
   }
 }
 

@@ -119,9 +119,12 @@ void readFeatures(const ModelReader& reader, const YAML::Node& root, ClassifierM
   }
 }
 
-double readPositive(const ModelReader& reader, const YAML::Node& map, const std::string& key) {
+// Far beyond what calibration ever finds, and yet no float32 overflows.
+double readExponent(const ModelReader& reader, const YAML::Node& map, const std::string& key) {
   const auto value = reader.value<double>(map, key, "a number");
-  if (!(value > 0.0) || !std::isfinite(value)) reader.fail(map[key], "'" + key + "' must be > 0");
+  if (!(value >= 1e-3 && value <= 1e3)) {
+    reader.fail(map[key], "'" + key + "' must be 0.001 to 1000");
+  }
   return value;
 }
 
@@ -129,7 +132,7 @@ double readPositive(const ModelReader& reader, const YAML::Node& map, const std:
 void readCalibration(const ModelReader& reader, const YAML::Node& node, Calibration* calibration) {
   if (!node.IsDefined()) return;
   reader.expectKeys(node, {"temperature", "smoothing"});
-  calibration->temperature = readPositive(reader, node, "temperature");
+  calibration->temperature = readExponent(reader, node, "temperature");
   const YAML::Node smoothing = reader.child(node, "smoothing");
   reader.expectKeys(smoothing, {"radius_voxels", "temperature", "sharpness"});
   calibration->smoothing_radius_voxels =
@@ -139,8 +142,8 @@ void readCalibration(const ModelReader& reader, const YAML::Node& node, Calibrat
     reader.fail(smoothing["radius_voxels"],
                 "'radius_voxels' must be 1 to " + std::to_string(Calibration::kMaxSmoothingRadius));
   }
-  calibration->smoothing_temperature = readPositive(reader, smoothing, "temperature");
-  calibration->smoothing_sharpness = readPositive(reader, smoothing, "sharpness");
+  calibration->smoothing_temperature = readExponent(reader, smoothing, "temperature");
+  calibration->smoothing_sharpness = readExponent(reader, smoothing, "sharpness");
 }
 
 void readClasses(const ModelReader& reader, const YAML::Node& root, ClassifierModel* model) {
@@ -158,9 +161,9 @@ void readClasses(const ModelReader& reader, const YAML::Node& root, ClassifierMo
 }
 
 ClassifierModel readModel(const ModelReader& reader, const YAML::Node& root) {
-  reader.expectKeys(root, {"format", "provenance", "voxel_size_m", "support_radius_voxels",
-                           "support_kernel", "features", "calibration", "unknown_log_likelihood",
-                           "classes"});
+  reader.expectKeys(
+      root, {"format", "provenance", "voxel_size_m", "support_radius_voxels", "support_kernel",
+             "features", "calibration", "unknown_log_likelihood", "classes"});
   const auto format = reader.value<std::string>(root, "format", "a name");
   if (format != kFormat) {
     reader.fail(root["format"], "format is '" + format + "', expected '" + kFormat + "'");

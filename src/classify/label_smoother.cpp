@@ -99,7 +99,7 @@ class Smoother final : public LabelSmoother {
     PosteriorBlock block_;
   };
 
-  std::vector<PosteriorRecord<kClasses>> records_;  // by slot of the map
+  std::vector<PosteriorRecord<kClasses>> records_;                // by slot of the map
   std::vector<SlidingBoxSums<PosteriorSum<kClasses>>> box_sums_;  // one per thread
 };
 

@@ -118,7 +118,9 @@ void ColumnLayer::compute(const VoxelMap& map) {
     sumInSquares(nx, ny, radius_, &values_, &scratch_);
     sumInSquares(nx, ny, radius_, &counts_, &scratch_);
     for (std::size_t i = 0; i < values_.size(); ++i) {
-      values_[i] = counts_[i] > 0 ? kFillUnit * values_[i] / counts_[i] : kNothing;
+      // Full squares of a tall map hold more voxels than 2^31 / kFillUnit.
+      const int64_t units = int64_t{kFillUnit} * values_[i];
+      values_[i] = counts_[i] > 0 ? static_cast<int32_t>(units / counts_[i]) : kNothing;
     }
     return;
   }

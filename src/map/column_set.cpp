@@ -2,6 +2,7 @@
 #include "ladar_perception/map/column_set.h"
 
 #include <algorithm>
+#include <cassert>
 
 namespace ladar_perception {
 
@@ -63,6 +64,11 @@ void ColumnSet::assignDilated(const ColumnSet& other, int radius) {
       for (int word = 0; word < words_; ++word) rowOf(near)[word] |= row[word];
     }
   }
+}
+
+void ColumnSet::add(const ColumnSet& other) {
+  assert(nx_ == other.nx_ && ny_ == other.ny_);
+  for (std::size_t word = 0; word < bits_.size(); ++word) bits_[word] |= other.bits_[word];
 }
 
 void dilateBits(const uint64_t* in, int words, int radius, uint64_t* out) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 #include "ladar_perception/saliency/box_stack.h"
@@ -139,7 +138,8 @@ void spreadValues(Quantity quantity, const SaliencyBlock& b, float* values) {
              [&](int i) LADAR_INLINE_LAMBDA { return std::sqrt(horizontalOf(b, i).major); });
         break;
       case Quantity::kVerticalDeviation:
-        fill(values, [&](int i) LADAR_INLINE_LAMBDA { return std::sqrt(std::max(b.matrix.zz[i], 0.0F)); });
+        fill(values,
+             [&](int i) LADAR_INLINE_LAMBDA { return std::sqrt(std::max(b.matrix.zz[i], 0.0F)); });
         break;
       case Quantity::kMeanOffset:
         fill(values, [&](int i) LADAR_INLINE_LAMBDA {
@@ -159,10 +159,10 @@ void spreadValues(Quantity quantity, const SaliencyBlock& b, float* values) {
 }
 
 int parseRadius(const std::string& name, const std::string& text) {
-  int radius = 0;
-  char rest = 0;
-  if (text.empty() || text.size() > 4 || std::sscanf(text.c_str(), "%d%c", &radius, &rest) != 1 ||
-      radius < 1) {
+  const bool is_number = !text.empty() && text.size() <= 4 &&
+                         text.find_first_not_of("0123456789") == std::string::npos;
+  const int radius = is_number ? std::stoi(text) : 0;
+  if (radius < 1) {
     throw std::invalid_argument("feature '" + name + "': '" + text +
                                 "' is no radius, expected a whole number of voxels from 1");
   }

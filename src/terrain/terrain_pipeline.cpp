@@ -196,8 +196,7 @@ TerrainPipeline::TerrainPipeline(const TerrainConfig& config, const ClassifierMo
       model_(model),
       classifier_(model),
       pool_(config.threads),
-      map_(config.mapShape(),
-           FeaturePlan(model.features).maxPointsPerVoxel(config.supportStack())),
+      map_(config.mapShape(), FeaturePlan(model.features).maxPointsPerVoxel(config.supportStack())),
       stack_(config.supportStack()),
       plan_(model.features) {
   assert(config.validate().empty());
@@ -219,6 +218,7 @@ TerrainPipeline::TerrainPipeline(const TerrainConfig& config, const ClassifierMo
   }
   if (config.smooth_labels) {
     smoother_ = LabelSmoother::make(classifier_, model_.calibration, config.threads);
+    near_changes_.resize(map_.shape().nx, map_.shape().ny);
   }
 }
 
@@ -237,9 +237,15 @@ const ScanReport& TerrainPipeline::process(const CloudView& cloud, const PointFi
   insertPoints(time_offsets_s, motion);
   timer.endOf(Stage::kInsert);
 
-  affected_.assignAffected(map_, plan_.reach(stack_));
+  const int reach = plan_.reach(stack_);
+  affected_.assignAffected(map_, reach);
   for (ColumnLayer& layer : plan_.layers) {
     layer.update(map_, [&](int x, int y) { affected_.add(x, y); });
+  }
+  if (smoother_ != nullptr) {
+    // What has left the window was averaged into labels farther in than any feature looks.
+    const bool labels_see_farther = smoother_->radius() > reach;
+    if (labels_see_farther) near_changes_.assignAffected(map_, smoother_->radius());
   }
   map_.forgetChanges();
   updateVoxels();
@@ -363,6 +369,7 @@ void TerrainPipeline::updateAllVoxels() {
 void TerrainPipeline::smoothLabels() {
   if (smoother_ == nullptr) return;
   relabelled_.assignDilated(affected_, smoother_->radius());
+  relabelled_.add(near_changes_);
   smoother_->label(map_, relabelled_, &pool_, &classifications_);
 }
 

@@ -14,7 +14,8 @@ enum class ColumnQuantity {
   /// World height index of the lowest occupied voxel in the square.
   kLowest,
   /// The ground under the column as a morphological opening has it: the highest of the lowest
-  /// heights of all squares that the column is in. On any even slope it is the slope itself, where
+  /// heights of all squares, around columns of the map, that the column is in. On any even slope it
+  /// is the slope itself (but for what lies uphill at the map's edge, within the radius), where
   /// kLowest is as far below as the slope falls within the square.
   kGround,
   /// Occupied voxels per occupied column of the square, times kFillUnit, rounded down.

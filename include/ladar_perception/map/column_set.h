@@ -34,6 +34,8 @@ class ColumnSet {
   }
   /// The columns within `radius` of one of `other`, along x and along y.
   void assignDilated(const ColumnSet& other, int radius);
+  /// The columns of `other`, too, which is of as many rows and columns.
+  void add(const ColumnSet& other);
 
  private:
   uint64_t* rowOf(int y) { return bits_.data() + static_cast<std::size_t>(y) * words_; }

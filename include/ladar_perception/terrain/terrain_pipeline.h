@@ -59,11 +59,11 @@ class TerrainPipeline {
 
   /// Takes one scan: centres the map on `p_map_vehicle`, inserts the points at the places the
   /// sensor's motion puts them (`time_offsets_s` per point; empty: all at the stamp), forgets what
-  /// is too old, sums the moments over the support volumes, classifies the voxels, smooths
-  /// their labels, labels the points. Only voxels whose support volume has changed are computed anew; what is known of all
-  /// of them is the same, bit by bit, as if all were. `stamp_s` is looked at only for forgetting.
-  /// Every coordinate of the motion and of `p_map_vehicle` must be finite and within
-  /// kMaxCoordinate_m / 2. `fields` must come from findPointFields for this very cloud.
+  /// is too old, sums the moments over the support volumes, classifies the voxels, smooths their
+  /// labels, labels the points. Only voxels whose features can have changed are computed anew; what
+  /// is known of all of them is the same, bit by bit, as if all were. `stamp_s` is looked at only
+  /// for forgetting. Every coordinate of the motion and of `p_map_vehicle` must be finite and
+  /// within kMaxCoordinate_m / 2. `fields` must come from findPointFields for this very cloud.
   const ScanReport& process(const CloudView& cloud, const PointFields& fields,
                             const std::vector<float>& time_offsets_s, const SensorMotion& motion,
                             const Eigen::Vector3d& p_map_vehicle, double stamp_s = 0.0);
@@ -133,6 +133,7 @@ class TerrainPipeline {
   std::vector<Classification> classifications_;  // by slot of the map
   std::unique_ptr<LabelSmoother> smoother_;      // none without smoothing
   ColumnSet relabelled_;
+  ColumnSet near_changes_;  // empty while labels see no farther than features
   bool keep_features_ = false;
   std::vector<float> kept_features_;  // by slot of the map, then by feature of the model
 };
