@@ -13,9 +13,8 @@ namespace {
 
 constexpr int kSize = FeatureBlock::kSize;
 
-/// Turns the logarithms of what is proportional to probabilities, times `scale`, into
-/// probabilities, in place.
-LADAR_INLINE void normalize(float (*__restrict__ p)[kSize], std::size_t classes, float scale) {
+/// Turns the logarithms of what is proportional to probabilities into probabilities, in place.
+LADAR_INLINE void normalizeLogs(float (*__restrict__ p)[kSize], std::size_t classes) {
   float greatest[kSize];
   float sum[kSize];
   std::copy_n(p[0], kSize, greatest);
@@ -25,7 +24,7 @@ LADAR_INLINE void normalize(float (*__restrict__ p)[kSize], std::size_t classes,
   std::fill_n(sum, kSize, 0.0F);
   for (std::size_t c = 0; c < classes; ++c) {
     for (int i = 0; i < kSize; ++i) {
-      p[c][i] = block_math::expNegative((p[c][i] - greatest[i]) * scale);
+      p[c][i] = block_math::expNegative(p[c][i] - greatest[i]);
       sum[i] += p[c][i];
     }
   }
@@ -40,8 +39,10 @@ LADAR_INLINE void normalize(float (*__restrict__ p)[kSize], std::size_t classes,
 Classifier::Classifier(const ClassifierModel& model)
     : features_(model.features),
       unknown_log_likelihood_(static_cast<float>(model.unknown_log_likelihood)),
-      temperature_(static_cast<float>(model.calibration.temperature)) {
+      temperature_(static_cast<float>(model.calibration.temperature)),
+      offsets_(model.calibration.offsets.begin(), model.calibration.offsets.end()) {
   assert(model.classes.size() <= kMaxClasses);
+  offsets_.resize(model.classes.size(), 0.0F);
   double prior_sum = 0.0;
   for (const ModelClass& model_class : model.classes) prior_sum += model_class.prior;
   for (const ModelClass& model_class : model.classes) {
@@ -50,36 +51,30 @@ Classifier::Classifier(const ClassifierModel& model)
   }
 }
 
-void Classifier::posteriors(const FeatureBlock& block, float temperature,
+void Classifier::posteriors(const FeatureBlock& block, float temperature, const float* offsets,
                             PosteriorBlock* result) const {
   float(*p)[kSize] = result->probability;
   for (std::size_t c = 0; c < classes(); ++c) mixtures_[c].logLikelihood(block, p[c]);
+  const float by_temperature = 1.0F / temperature;
   dispatch([&]() LADAR_INLINE_LAMBDA {
     float best_likelihood[kSize];
     std::copy_n(p[0], kSize, best_likelihood);
     for (std::size_t c = 0; c < classes(); ++c) {
-      const float log_prior = log_prior_[c];
+      const float added = log_prior_[c] + (offsets == nullptr ? 0.0F : offsets[c]);
       for (int i = 0; i < kSize; ++i) {
         best_likelihood[i] = std::max(best_likelihood[i], p[c][i]);
-        p[c][i] += log_prior;
+        p[c][i] = p[c][i] * by_temperature + added;
       }
     }
     for (int i = 0; i < kSize; ++i) {
       result->known[i] = best_likelihood[i] >= unknown_log_likelihood_ ? 1U : 0U;
     }
-    normalize(p, classes(), 1.0F / temperature);
+    normalizeLogs(p, classes());
   });
 }
 
-void Classifier::sharpen(float sharpness, PosteriorBlock* block) const {
-  constexpr float kLeast = 1e-6F;  // below the steps in which smoothed posteriors come
-  dispatch([&]() LADAR_INLINE_LAMBDA {
-    for (std::size_t c = 0; c < classes(); ++c) {
-      float* p = block->probability[c];
-      for (int i = 0; i < kSize; ++i) p[i] = block_math::logPositive(std::max(p[i], kLeast));
-    }
-    normalize(block->probability, classes(), sharpness);
-  });
+void Classifier::normalize(PosteriorBlock* block) const {
+  dispatch([&]() LADAR_INLINE_LAMBDA { normalizeLogs(block->probability, classes()); });
 }
 
 void Classifier::choose(const PosteriorBlock& block, int count, Classification* result) const {
@@ -105,7 +100,7 @@ void Classifier::choose(const PosteriorBlock& block, int count, Classification* 
 
 void Classifier::classify(const FeatureBlock& block, int count, Classification* result) const {
   PosteriorBlock posterior;
-  posteriors(block, temperature_, &posterior);
+  calibratedPosteriors(block, &posterior);
   choose(posterior, count, result);
 }
 

@@ -128,22 +128,40 @@ double readExponent(const ModelReader& reader, const YAML::Node& map, const std:
   return value;
 }
 
-// Models that were never calibrated have none.
-void readCalibration(const ModelReader& reader, const YAML::Node& node, Calibration* calibration) {
-  if (!node.IsDefined()) return;
-  reader.expectKeys(node, {"temperature", "smoothing"});
-  calibration->temperature = readExponent(reader, node, "temperature");
-  const YAML::Node smoothing = reader.child(node, "smoothing");
-  reader.expectKeys(smoothing, {"radius_voxels", "temperature", "sharpness"});
-  calibration->smoothing_radius_voxels =
-      reader.value<int>(smoothing, "radius_voxels", "an integer");
-  if (calibration->smoothing_radius_voxels < 1 ||
-      calibration->smoothing_radius_voxels > Calibration::kMaxSmoothingRadius) {
-    reader.fail(smoothing["radius_voxels"],
-                "'radius_voxels' must be 1 to " + std::to_string(Calibration::kMaxSmoothingRadius));
+std::vector<double> readNumbers(const ModelReader& reader, const YAML::Node& map,
+                                const std::string& key, std::size_t size) {
+  const auto numbers = reader.value<std::vector<double>>(map, key, "a list of numbers");
+  bool good = numbers.size() == size;
+  for (const double number : numbers) good = good && std::isfinite(number);
+  if (!good) reader.fail(map[key], "'" + key + "' must be " + std::to_string(size) + " numbers");
+  return numbers;
+}
+
+void readSmoothing(const ModelReader& reader, const YAML::Node& node, std::size_t classes,
+                   Calibration::Smoothing* smoothing) {
+  reader.expectKeys(node, {"temperature", "radii_voxels", "exponents", "offsets"});
+  smoothing->temperature = readExponent(reader, node, "temperature");
+  smoothing->radii_voxels =
+      reader.value<std::vector<int>>(node, "radii_voxels", "a list of integers");
+  for (const int radius : smoothing->radii_voxels) {
+    if (radius >= 1 && radius <= Calibration::kMaxSmoothingRadius) continue;
+    reader.fail(node["radii_voxels"],
+                "radii must be 1 to " + std::to_string(Calibration::kMaxSmoothingRadius));
   }
-  calibration->smoothing_temperature = readExponent(reader, smoothing, "temperature");
-  calibration->smoothing_sharpness = readExponent(reader, smoothing, "sharpness");
+  if (smoothing->radii_voxels.empty()) reader.fail(node["radii_voxels"], "expected a radius");
+  smoothing->exponents =
+      readNumbers(reader, node, "exponents", 1 + smoothing->radii_voxels.size());
+  smoothing->offsets = readNumbers(reader, node, "offsets", classes);
+}
+
+// Models that were never calibrated have none.
+void readCalibration(const ModelReader& reader, const YAML::Node& node, std::size_t classes,
+                     Calibration* calibration) {
+  if (!node.IsDefined()) return;
+  reader.expectKeys(node, {"temperature", "offsets", "smoothing"});
+  calibration->temperature = readExponent(reader, node, "temperature");
+  calibration->offsets = readNumbers(reader, node, "offsets", classes);
+  readSmoothing(reader, reader.child(node, "smoothing"), classes, &calibration->smoothing);
 }
 
 void readClasses(const ModelReader& reader, const YAML::Node& root, ClassifierModel* model) {
@@ -186,8 +204,8 @@ ClassifierModel readModel(const ModelReader& reader, const YAML::Node& root) {
         provenance, "'provenance' must map names to texts");
   }
   readFeatures(reader, root, &model);
-  readCalibration(reader, root["calibration"], &model.calibration);
   readClasses(reader, root, &model);
+  readCalibration(reader, root["calibration"], model.classes.size(), &model.calibration);
   return model;
 }
 
@@ -225,6 +243,25 @@ void writeClass(const ModelClass& model_class, std::ostream& out) {
       out << "          - " << numberList(row) << "\n";
     }
   }
+}
+
+void writeCalibration(const ClassifierModel& model, std::ostream& out) {
+  const auto list = [](std::vector<double> numbers, std::size_t size) {
+    numbers.resize(size, 0.0);
+    return numberList(Eigen::Map<const Eigen::VectorXd>(numbers.data(), numbers.size()));
+  };
+  const std::size_t classes = model.classes.size();
+  const Calibration::Smoothing& smoothing = model.calibration.smoothing;
+  std::string radii;
+  for (const int radius : smoothing.radii_voxels) {
+    radii += (radii.empty() ? "" : ", ") + std::to_string(radius);
+  }
+  out << "calibration:\n  temperature: " << number(model.calibration.temperature)
+      << "\n  offsets: " << list(model.calibration.offsets, classes)
+      << "\n  smoothing:\n    temperature: " << number(smoothing.temperature)
+      << "\n    radii_voxels: [" << radii
+      << "]\n    exponents: " << list(smoothing.exponents, 1 + smoothing.radii_voxels.size())
+      << "\n    offsets: " << list(smoothing.offsets, classes) << "\n";
 }
 
 }  // namespace
@@ -271,11 +308,7 @@ std::string formatClassifierModel(const ClassifierModel& model) {
       << "\nsupport_radius_voxels: " << model.support_radius_voxels
       << "\nsupport_kernel: " << model.support_kernel << "\nfeatures:\n";
   for (const Feature& feature : model.features) out << "  - " << featureName(feature) << "\n";
-  const Calibration& calibration = model.calibration;
-  out << "calibration:\n  temperature: " << number(calibration.temperature)
-      << "\n  smoothing:\n    radius_voxels: " << calibration.smoothing_radius_voxels
-      << "\n    temperature: " << number(calibration.smoothing_temperature)
-      << "\n    sharpness: " << number(calibration.smoothing_sharpness) << "\n";
+  writeCalibration(model, out);
   out << "classes:\n";
   for (const ModelClass& model_class : model.classes) writeClass(model_class, out);
   // Last, because it is required: a file cut off between two classes lacks it.

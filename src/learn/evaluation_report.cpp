@@ -11,9 +11,9 @@ using Json = nlohmann::ordered_json;
 
 Json orNull(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
-Json binsJson(const Calibration& calibration) {
+Json binsJson(const Reliability& reliability) {
   Json bins = Json::array();
-  for (const CalibrationBin& bin : calibration.bins) {
+  for (const ReliabilityBin& bin : reliability.bins) {
     bins.push_back(
         {{"confidence", bin.confidence}, {"accuracy", bin.accuracy}, {"share", bin.share}});
   }
@@ -43,8 +43,8 @@ void addScores(const ClassifierModel& model, const LabelScores& scores, Json* js
   out["overall_accuracy"] = orNull(scores.overallAccuracy());
   out["unknown_share"] = orNull(scores.unknownShare());
   out["mean_recall_in_map"] = orNull(scores.meanRecallInMap());
-  const Calibration plain = scores.calibration(false);
-  const Calibration balanced = scores.calibration(true);
+  const Reliability plain = scores.reliability(false);
+  const Reliability balanced = scores.reliability(true);
   out["calibration"] = {{"ece", plain.ece},
                         {"class_balanced_ece", balanced.ece},
                         {"bins", binsJson(plain)},
@@ -115,8 +115,8 @@ std::string evaluationTable(const ClassifierModel& model, const LabelScores& sco
                 percent(scores.overallAccuracy()).substr(2).c_str(),
                 percent(scores.unknownShare()).substr(2).c_str(),
                 static_cast<unsigned long long>(scores.pointsOutsideMap()),
-                percent(scores.calibration(false).ece).substr(2).c_str(),
-                percent(scores.calibration(true).ece).substr(2).c_str());
+                percent(scores.reliability(false).ece).substr(2).c_str(),
+                percent(scores.reliability(true).ece).substr(2).c_str());
   return table + line;
 }
 

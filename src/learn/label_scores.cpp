@@ -132,7 +132,7 @@ std::optional<double> LabelScores::overallAccuracy() const {
 
 std::optional<double> LabelScores::unknownShare() const { return ratio(labelCount(0), points()); }
 
-Calibration LabelScores::calibration(bool class_balanced) const {
+Reliability LabelScores::reliability(bool class_balanced) const {
   struct Sum {
     double weight = 0.0;
     double right = 0.0;
@@ -152,14 +152,14 @@ Calibration LabelScores::calibration(bool class_balanced) const {
     }
     all += weight * static_cast<double>(labelled);
   }
-  Calibration calibration;
+  Reliability result;
   for (const Sum& sum : sums) {
     if (sum.weight <= 0.0) continue;
-    calibration.bins.push_back(
+    result.bins.push_back(
         {sum.confidence / sum.weight, sum.right / sum.weight, sum.weight / all});
-    calibration.ece += std::abs(sum.confidence - sum.right) / all;
+    result.ece += std::abs(sum.confidence - sum.right) / all;
   }
-  return calibration;
+  return result;
 }
 
 }  // namespace ladar_perception

@@ -124,10 +124,12 @@ class TerrainPipeline::VoxelClassifier {
     if (pipeline_.stack_.size() > 1) std::copy_n(points_, count_, shapes_[0].points);
     computeFeatures();
     LabelSmoother* smoother = pipeline_.smoother_.get();
-    const auto temperature = smoother != nullptr
-                                 ? smoother->temperature()
-                                 : static_cast<float>(pipeline_.model_.calibration.temperature);
-    pipeline_.classifier_.posteriors(features_, temperature, &posterior_);
+    const Classifier& classifier = pipeline_.classifier_;
+    if (smoother != nullptr) {
+      classifier.posteriors(features_, smoother->temperature(), nullptr, &posterior_);
+    } else {
+      classifier.calibratedPosteriors(features_, &posterior_);
+    }
     const auto least = static_cast<uint32_t>(pipeline_.config_.min_support_points);
     for (int i = 0; i < count_; ++i) {
       shapes_[0].get(i, &pipeline_.saliencies_[slots_[i]]);
@@ -138,7 +140,7 @@ class TerrainPipeline::VoxelClassifier {
       smoother->keep(posterior_, slots_, count_);
     } else {
       Classification classified[kSaliencyBlock];
-      pipeline_.classifier_.choose(posterior_, count_, classified);
+      classifier.choose(posterior_, count_, classified);
       for (int i = 0; i < count_; ++i) pipeline_.classifications_[slots_[i]] = classified[i];
     }
     if (pipeline_.keep_features_) keepFeatures();
@@ -217,7 +219,7 @@ TerrainPipeline::TerrainPipeline(const TerrainConfig& config, const ClassifierMo
     slices_ = EvidenceSlices(config.mapShape(), plan_.maxPointsPerVoxel(stack_));
   }
   if (config.smooth_labels) {
-    smoother_ = LabelSmoother::make(classifier_, model_.calibration, config.threads);
+    smoother_ = LabelSmoother::make(classifier_, model_.calibration.smoothing, config.threads);
     near_changes_.resize(map_.shape().nx, map_.shape().ny);
   }
 }
@@ -244,8 +246,8 @@ const ScanReport& TerrainPipeline::process(const CloudView& cloud, const PointFi
   }
   if (smoother_ != nullptr) {
     // What has left the window was averaged into labels farther in than any feature looks.
-    const bool labels_see_farther = smoother_->radius() > reach;
-    if (labels_see_farther) near_changes_.assignAffected(map_, smoother_->radius());
+    const bool labels_see_farther = smoother_->reach() > reach;
+    if (labels_see_farther) near_changes_.assignAffected(map_, smoother_->reach());
   }
   map_.forgetChanges();
   updateVoxels();
@@ -274,7 +276,9 @@ void TerrainPipeline::reset() {
 
 void TerrainPipeline::keepFeatures(bool keep) {
   keep_features_ = keep;
-  if (!keep) kept_features_ = {};
+  if (keep) return;
+  kept_features_ = {};
+  kept_terms_ = {};
 }
 
 void TerrainPipeline::scrollTo(const Eigen::Vector3d& p_map_vehicle) {
@@ -368,9 +372,10 @@ void TerrainPipeline::updateAllVoxels() {
 
 void TerrainPipeline::smoothLabels() {
   if (smoother_ == nullptr) return;
-  relabelled_.assignDilated(affected_, smoother_->radius());
+  relabelled_.assignDilated(affected_, smoother_->reach());
   relabelled_.add(near_changes_);
-  smoother_->label(map_, relabelled_, &pool_, &classifications_);
+  smoother_->label(map_, relabelled_, &pool_, &classifications_,
+                   keep_features_ ? &kept_terms_ : nullptr);
 }
 
 void TerrainPipeline::updateVoxels() {
@@ -419,7 +424,7 @@ std::size_t TerrainPipeline::memoryBytes() const {
   std::size_t bytes = map_.memoryBytes() + slices_.memoryBytes() +
                       saliencies_.capacity() * sizeof(SaliencyF) +
                       classifications_.capacity() * sizeof(Classification) +
-                      kept_features_.capacity() * sizeof(float);
+                      (kept_features_.capacity() + kept_terms_.capacity()) * sizeof(float);
   if (smoother_ != nullptr) bytes += smoother_->memoryBytes();
   for (const ColumnLayer& layer : plan_.layers) bytes += layer.memoryBytes();
   for (const auto& box_sums : box_sums_) bytes += box_sums.memoryBytes();

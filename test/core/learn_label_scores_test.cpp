@@ -51,7 +51,7 @@ TEST(LearnLabelScores, CountsByHand) {
 
 TEST(LearnLabelScores, CalibrationByHand) {
   // Of 11 labels at 0.9, all are right; of 2 at 0.6, none is; unknown has no confidence.
-  const Calibration plain = example().calibration(false);
+  const Reliability plain = example().reliability(false);
   ASSERT_EQ(plain.bins.size(), 2u);
   EXPECT_NEAR(plain.bins[0].confidence, 0.6, 1e-6);
   EXPECT_DOUBLE_EQ(plain.bins[0].accuracy, 0.0);
@@ -60,7 +60,7 @@ TEST(LearnLabelScores, CalibrationByHand) {
   EXPECT_DOUBLE_EQ(plain.bins[1].accuracy, 1.0);
   EXPECT_NEAR(plain.ece, (2.0 * 0.6 + 11.0 * 0.1) / 13.0, 1e-6);
   // Every class weighs the same: 8/9 and 3/4 of it at 0.9, 1/9 and 1/4 at 0.6.
-  const Calibration balanced = example().calibration(true);
+  const Reliability balanced = example().reliability(true);
   const double share_high = (8.0 / 9.0 + 0.75) / 2.0;
   EXPECT_NEAR(balanced.bins[1].share, share_high, 1e-12);
   EXPECT_NEAR(balanced.ece, share_high * 0.1 + (1.0 - share_high) * 0.6, 1e-6);
@@ -71,7 +71,7 @@ TEST(LearnLabelScores, ConfidencesThatAreRightHaveNoError) {
   addMany(&scores, 3, 1, 1, 0.75F);
   addMany(&scores, 1, 1, 2, 0.75F);
   addMany(&scores, 5, 2, 2, 1.0F);
-  EXPECT_NEAR(scores.calibration(false).ece, 0.0, 1e-12);
+  EXPECT_NEAR(scores.reliability(false).ece, 0.0, 1e-12);
 }
 
 TEST(LearnLabelScores, ScansAddUpAndOthersAreIgnored) {
@@ -90,7 +90,7 @@ TEST(LearnLabelScores, ScansAddUpAndOthersAreIgnored) {
   EXPECT_EQ(sum.points(), 6u);
   EXPECT_EQ(sum.pointsOutsideMap(), 2u);
   EXPECT_EQ(sum.count(2, 1), 2u);
-  EXPECT_DOUBLE_EQ(sum.calibration(false).ece, scores.calibration(false).ece);
+  EXPECT_DOUBLE_EQ(sum.reliability(false).ece, scores.reliability(false).ece);
 }
 
 TEST(LearnLabelScores, NothingIsToldOfNothing) {
@@ -99,8 +99,8 @@ TEST(LearnLabelScores, NothingIsToldOfNothing) {
   EXPECT_FALSE(scores.meanF1());
   EXPECT_FALSE(scores.overallAccuracy());
   EXPECT_FALSE(scores.unknownShare());
-  EXPECT_EQ(scores.calibration(true).ece, 0.0);
-  EXPECT_TRUE(scores.calibration(false).bins.empty());
+  EXPECT_EQ(scores.reliability(true).ece, 0.0);
+  EXPECT_TRUE(scores.reliability(false).bins.empty());
 }
 
 }  // namespace

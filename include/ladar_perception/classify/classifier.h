@@ -20,7 +20,7 @@ struct Classification {
 struct PosteriorBlock {
   /// By class, then volume; of the model's classes they sum to 1.
   float probability[kMaxClasses][FeatureBlock::kSize];
-  /// 0 where the greatest log-likelihood is below the model's threshold: unknown.
+  /// 0 where nothing is to be said: the greatest log-likelihood is below the model's threshold.
   uint32_t known[FeatureBlock::kSize];
 };
 
@@ -31,14 +31,19 @@ class Classifier {
 
   const std::vector<Feature>& features() const { return features_; }
   std::size_t classes() const { return mixtures_.size(); }
-  /// Posteriors under the model's priors at a temperature (see Calibration). All of the block must
-  /// hold finite numbers.
-  void posteriors(const FeatureBlock& block, float temperature, PosteriorBlock* result) const;
-  /// Raises probabilities to the power of `sharpness` and makes them sum to 1 again.
-  void sharpen(float sharpness, PosteriorBlock* block) const;
+  /// Posteriors under the model's priors: prior (likelihood)^(1 / temperature), times e^offset if
+  /// there are offsets (one per class). All of the block must hold finite numbers.
+  void posteriors(const FeatureBlock& block, float temperature, const float* offsets,
+                  PosteriorBlock* result) const;
+  /// The same by the model's calibration without smoothing.
+  void calibratedPosteriors(const FeatureBlock& block, PosteriorBlock* result) const {
+    posteriors(block, temperature_, offsets_.data(), result);
+  }
+  /// Makes probabilities of their logarithms, which may lack a common term.
+  void normalize(PosteriorBlock* block) const;
   /// The most probable class of the first `count` volumes, the first of equal ones.
   void choose(const PosteriorBlock& block, int count, Classification* result) const;
-  /// posteriors at the model's temperature, then choose.
+  /// calibratedPosteriors, then choose.
   void classify(const FeatureBlock& block, int count, Classification* result) const;
 
  private:
@@ -47,6 +52,7 @@ class Classifier {
   std::vector<float> log_prior_;
   float unknown_log_likelihood_;
   float temperature_;
+  std::vector<float> offsets_;
 };
 
 }  // namespace ladar_perception

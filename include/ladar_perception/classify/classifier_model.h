@@ -26,18 +26,26 @@ struct ModelClass {
   std::vector<GaussianComponent> mixture;
 };
 
-/// What turns likelihoods into probabilities that come true as often as they say. Features of one
-/// support volume depend on one another more than a mixture knows, so bare posteriors are too sure.
+/// What turns likelihoods into probabilities that come true as often as they say: features of one
+/// support volume depend on one another more than a mixture knows, so bare posteriors are too sure,
+/// and mean posteriors of a neighbourhood favour what is bulky. Empty lists of offsets are zeros.
 struct Calibration {
   static constexpr int kMaxSmoothingRadius = 8;
 
-  /// Posteriors are those of likelihoods to the power of 1 / temperature.
+  /// A class's probability is proportional to prior (likelihood)^(1 / temperature) e^offset.
   double temperature = 1.0;
-  /// With smoothing: posteriors at this temperature are averaged over the voxels of the cube of
-  /// this radius, then raised to the power of the sharpness and made to sum to 1 again.
-  int smoothing_radius_voxels = 5;
-  double smoothing_temperature = 2.0;
-  double smoothing_sharpness = 1.0;
+  std::vector<double> offsets;  ///< by class
+
+  /// The same with smoothing: proportional to the product, to the power of an exponent each, of the
+  /// voxel's posterior at `temperature` (without offsets) and of the means of the neighbours'
+  /// posteriors in cubes of these radii, times e^offset.
+  struct Smoothing {
+    double temperature = 2.0;
+    std::vector<int> radii_voxels = {3, 8};
+    std::vector<double> exponents = {0.2, 0.5, 1.0};  ///< of the voxel's own, then by radius
+    std::vector<double> offsets;                      ///< by class
+  };
+  Smoothing smoothing;
 };
 
 /// A classifier as it is kept in a file. The label of classes[i] is i + 1.

@@ -13,7 +13,7 @@
 namespace ladar_perception {
 
 /// Points whose confidences lie in one bin.
-struct CalibrationBin {
+struct ReliabilityBin {
   double confidence = 0.0;  ///< mean
   double accuracy = 0.0;    ///< share that is right
   double share = 0.0;       ///< of all points that are labelled
@@ -21,9 +21,9 @@ struct CalibrationBin {
 
 /// How far confidences are from the shares of right labels. Points without a label have no
 /// confidence, so they are not in it.
-struct Calibration {
+struct Reliability {
   double ece = 0.0;  ///< expected calibration error: mean |confidence - accuracy| by share
-  std::vector<CalibrationBin> bins;  ///< of those with points, by rising confidence
+  std::vector<ReliabilityBin> bins;  ///< of those with points, by rising confidence
 };
 
 /// Counts of one or several scans. Every point with truth counts, unknown ones as wrong, and those
@@ -62,7 +62,7 @@ class LabelScores {
   std::optional<double> overallAccuracy() const;
   std::optional<double> unknownShare() const;
   /// With every point weighing the same, or with every true class weighing the same.
-  Calibration calibration(bool class_balanced) const;
+  Reliability reliability(bool class_balanced) const;
 
  private:
   struct Bin {

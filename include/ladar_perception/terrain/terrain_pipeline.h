@@ -94,6 +94,12 @@ class TerrainPipeline {
   const float* features(std::size_t slot) const {
     return kept_features_.data() + slot * model_.features.size();
   }
+  /// What smoothing multiplies, for calibration: logarithms of the voxel's posterior and of the
+  /// means by radius, each by class. Only while features are kept and labels smoothed.
+  const float* smoothingTerms(std::size_t slot) const {
+    const std::size_t terms = model_.calibration.smoothing.exponents.size();
+    return kept_terms_.data() + slot * terms * model_.classes.size();
+  }
 
  private:
   class VoxelClassifier;
@@ -136,6 +142,7 @@ class TerrainPipeline {
   ColumnSet near_changes_;  // empty while labels see no farther than features
   bool keep_features_ = false;
   std::vector<float> kept_features_;  // by slot of the map, then by feature of the model
+  std::vector<float> kept_terms_;     // by slot of the map, then by exponent, then by class
 };
 
 }  // namespace ladar_perception
