@@ -211,7 +211,7 @@ void runWhole(const Points& points, const std::vector<double>& truth, const Terr
     processScan(scanOf(points, indices), Eigen::Isometry3d::Identity(),
                 {middle.x(), middle.y(), tiling.ground_z_m}, &pipeline);
     visit(pipeline, piece_truth);
-    progress.advance();
+    if (pieces.points.size() > 1) progress.advance();
   }
   progress.finish();
 }

@@ -229,6 +229,22 @@ TEST_F(EvaluateClassifier, BagsAreJudgedAsClassifyBagDoes) {
   EXPECT_EQ(report()["recall"], r["recall"]);
 }
 
+TEST_F(EvaluateClassifier, LabelsOfBagsAreMappedToo) {
+  const std::string bag = folder_.file("tile.bag");
+  expectSuccess(runProgram("import_scans", {"--format", "oakland", tile(), "--out", bag}));
+  expectSuccess(evaluate({bag}));  // by the truth that import_scans wrote
+  const Json by_truth = report();
+  const std::string classes = LADAR_SOURCE_DIR "/config/classes/oakland_three.yaml";
+  expectSuccess(evaluate({bag, "--classes", classes}));
+  EXPECT_EQ(report()["confusion"], by_truth["confusion"]);
+  EXPECT_EQ(report()["unknown"], by_truth["unknown"]);
+  // The same scans as those of the tile's stream.
+  expectSuccess(evaluate({tile(), "--pass", "stream"}));
+  EXPECT_EQ(report()["points"], by_truth["points"]);
+  EXPECT_NEAR(report()["mean_recall"].get<double>(), by_truth["mean_recall"].get<double>(), 0.005);
+  expectFailure(evaluate({bag, "--classes", classes, "--label-field", "kind"}), {bag, "'kind'"});
+}
+
 TEST_F(EvaluateClassifier, ModelDecidesOnVoxelsAndSupports) {
   const std::string config = folder_.write("coarse.yaml",
                                            "voxel_size_m: 0.3\nsupport_radius_voxels: 2\n"
