@@ -28,6 +28,10 @@ rosrun ladar_perception simulate_ladar --duration 0.5 --out "$work/scans.bag"
 rosrun ladar_perception classify_bag "$work/scans.bag" --metrics "$work/metrics.json"
 rosrun ladar_perception classify_bag "$work/scans.bag" --config "$share/config/terrain.yaml"
 grep -q '"scans": 10' "$work/metrics.json"
+# The script of the pictures is found from there, too.
+rosrun ladar_perception evaluate_classifier "$work/scans.bag" --report "$work/report" \
+  --model "$share/config/models/starter.yaml"
+[ -f "$work/report/confusion.png" ]
 roslaunch --files ladar_perception replay.launch bag:=x | grep >/dev/null "$share/launch/terrain.launch"
 rosrun ladar_perception terrain_summary.py --help >"$work/help.txt"
 [ -f "$share/rviz/terrain.rviz" ]

@@ -148,9 +148,9 @@ void train(const Options& options) {
   const TerrainNodeConfig config = readTerrainNodeConfigFile(options.config);
   const std::vector<Feature> features = parseFeatures(options.features);
   const LabelledSource source(options.source);
-  checkWritable(options.output);
   std::unique_ptr<ReportFolder> report;
   if (!options.report.empty()) report = std::make_unique<ReportFolder>(options.report);
+  checkWritable(options.output);  // which may lie in the report's folder
 
   const std::vector<std::string> names =
       source.mapping() ? source.mapping()->names : terrainClassNames();

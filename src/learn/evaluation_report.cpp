@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "json_parts.h"
+
 namespace ladar_perception {
 namespace {
 
@@ -74,10 +76,8 @@ std::string evaluationReport(const ClassifierModel& model, const std::string& mo
   json["classes"] = Json::array();
   json["colors"] = Json::array();
   for (const ModelClass& model_class : model.classes) {
-    char color[8];
-    std::snprintf(color, sizeof(color), "#%06x", model_class.rgb);
     json["classes"].push_back(model_class.name);
-    json["colors"].push_back(color);
+    json["colors"].push_back(colorText(model_class.rgb));
   }
   json["inputs"] = Json::array();
   for (const EvaluatedInput& input : inputs) json["inputs"].push_back(input.name);

@@ -21,6 +21,8 @@ using Indices = std::vector<std::size_t>;
 constexpr double kMargin_m = 12.0;
 // Beyond this from the middle of the cloud a point is a fault of its file.
 constexpr double kFarthest_m = 1e6;
+// Of a map that cannot be as high as the cloud: from where most points begin, down.
+constexpr double kBelowMost_m = 10.0;
 constexpr int kMaxColumnsPerAxis = 4000;
 constexpr int kMaxHeights = 1000;
 constexpr double kMaxColumnBytes = 2.5e8;
@@ -90,7 +92,7 @@ std::pair<double, double> heightRange(const Points& points, double most_m) {
   if (z.empty()) return {0.0, 0.0};
   std::sort(z.begin(), z.end());
   if (z.back() - z.front() <= most_m) return {z.front(), z.back()};
-  const double low = z[z.size() / 1000];
+  const double low = std::max(z.front(), z[z.size() / 1000] - kBelowMost_m);
   return {low, std::min(z.back(), low + most_m)};
 }
 
@@ -209,7 +211,7 @@ void runWhole(const Points& points, const std::vector<double>& truth, const Terr
     processScan(scanOf(points, indices), Eigen::Isometry3d::Identity(),
                 {middle.x(), middle.y(), tiling.ground_z_m}, &pipeline);
     visit(pipeline, piece_truth);
-    progress.advance();
+    if (pieces.points.size() > 1) progress.advance();
   }
   progress.finish();
 }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "json_parts.h"
 #include "ladar_perception/learn/labelled_pass.h"
 
 namespace ladar_perception {
@@ -32,20 +33,6 @@ std::string npyHeader(std::size_t rows, std::size_t columns) {
   const std::size_t size = text.size();
   return std::string("\x93NUMPY\x01\x00", 8) + static_cast<char>(size & 255) +
          static_cast<char>(size >> 8) + text;
-}
-
-Json mixtureJson(const std::vector<GaussianComponent>& mixture) {
-  Json list = Json::array();
-  for (const GaussianComponent& component : mixture) {
-    Json part = {{"weight", component.weight}};
-    part["mean"] = std::vector<double>(component.mean.begin(), component.mean.end());
-    for (Eigen::Index i = 0; i < component.covariance.rows(); ++i) {
-      const Eigen::VectorXd row = component.covariance.row(i);
-      part["covariance"].push_back(std::vector<double>(row.begin(), row.end()));
-    }
-    list.push_back(part);
-  }
-  return list;
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "json_parts.h"
 #include "ladar_perception/util/progress.h"
 
 namespace ladar_perception {
@@ -25,8 +26,10 @@ void checkSamples(const ClassTraining& training, const std::string& name) {
   if (training.samples.size() >= kLeastSamples) return;
   const ClassCounts& counts = training.counts;
   throw std::runtime_error("class '" + name + "' has " + std::to_string(training.samples.size()) +
-                           " samples (voxels with features) from " + std::to_string(counts.points) +
-                           " labelled points, expected at least " + std::to_string(kLeastSamples));
+                           " samples (voxels with features; " + std::to_string(counts.points) +
+                           " labelled points, " + std::to_string(counts.points_used) +
+                           " of them in such voxels), expected at least " +
+                           std::to_string(kLeastSamples));
 }
 
 struct FeatureSpread {
@@ -130,10 +133,8 @@ Json scoresJson(const ClassTraining& one) {
 }
 
 Json classJson(const ModelClass& model_class, const ClassTraining& one) {
-  char color[8];
-  std::snprintf(color, sizeof(color), "#%06x", model_class.rgb);
   Json json = {{"name", model_class.name},
-               {"color", color},
+               {"color", colorText(model_class.rgb)},
                {"prior", model_class.prior},
                {"points", one.counts.points},
                {"points_with_features", one.counts.points_used},
@@ -145,16 +146,7 @@ Json classJson(const ModelClass& model_class, const ClassTraining& one) {
                              : one.mixture.choice == ComponentChoice::kHeldOut ? "held_out"
                                                                                : "bic"},
                {"scores", scoresJson(one)}};
-  json["mixture"] = Json::array();
-  for (const GaussianComponent& component : one.mixture.components) {
-    Json part = {{"weight", component.weight}};
-    part["mean"] = std::vector<double>(component.mean.begin(), component.mean.end());
-    for (Eigen::Index i = 0; i < component.covariance.rows(); ++i) {
-      const Eigen::VectorXd row = component.covariance.row(i);
-      part["covariance"].push_back(std::vector<double>(row.begin(), row.end()));
-    }
-    json["mixture"].push_back(part);
-  }
+  json["mixture"] = mixtureJson(one.mixture.components);
   return json;
 }
 

@@ -4,6 +4,7 @@
 
 #include "ladar_perception/classify/classifier_model.h"
 #include "program_bag.h"
+#include "program_labelled.h"
 #include "program_run.h"
 
 namespace ladar_perception::test {
@@ -61,9 +62,9 @@ TEST_F(TrainClassifier, MakesAModelThatWorks) {
 }
 
 TEST_F(TrainClassifier, SameArgumentsSameBytes) {
-  expectSuccess(train({drive("campus")}, "a.yaml"));
-  expectSuccess(train({drive("campus")}, "b.yaml"));
-  expectSuccess(train({drive("campus"), "--seed", "2"}, "c.yaml"));
+  expectSuccess(train({drive("forest")}, "a.yaml"));
+  expectSuccess(train({drive("forest")}, "b.yaml"));
+  expectSuccess(train({drive("forest"), "--seed", "2"}, "c.yaml"));
   EXPECT_EQ(fileBytes(folder_.file("a.yaml")), fileBytes(folder_.file("b.yaml")));
   EXPECT_NE(fileBytes(folder_.file("a.yaml")), fileBytes(folder_.file("c.yaml")));
 }
@@ -71,7 +72,7 @@ TEST_F(TrainClassifier, SameArgumentsSameBytes) {
 TEST_F(TrainClassifier, UsesFeaturesAndConfiguration) {
   const std::string config =
       folder_.write("coarse.yaml", "voxel_size_m: 0.2\nsupport_radius_voxels: 2\n");
-  expectSuccess(train({drive("campus"), "--config", config, "--features",
+  expectSuccess(train({drive("forest"), "--config", config, "--features",
                        "cbrt_scatter,cbrt_surface,cbrt_linear"}));
   const ClassifierModel model = loadClassifierModel(folder_.file("model.yaml"));
   EXPECT_EQ(model.features.size(), 3u);
@@ -95,7 +96,7 @@ TEST_F(TrainClassifier, NeedsTruth) {
 
 TEST_F(TrainClassifier, SaysWhichClassHasTooFewSamples) {
   const std::string surface = editedBag(
-      drive("campus"), folder_.file("surface.bag"), [](const auto& message, rosbag::Bag* to) {
+      drive("forest"), folder_.file("surface.bag"), [](const auto& message, rosbag::Bag* to) {
         if (message.getTopic() != "/points") return writeAsItIs(message, to);
         auto cloud = *message.template instantiate<sensor_msgs::PointCloud2>();
         const uint32_t offset = findField(cloud, "truth")->offset;
@@ -104,7 +105,7 @@ TEST_F(TrainClassifier, SaysWhichClassHasTooFewSamples) {
         }
         to->write(message.getTopic(), message.getTime(), cloud);
       });
-  expectFailure(train({surface}), {"linear", "0 samples"});
+  expectFailure(train({surface}), {"'linear'", "0 samples", "0 labelled points"});
   EXPECT_EQ(folder_.list(), "surface.bag");
 }
 
@@ -116,6 +117,75 @@ TEST_F(TrainClassifier, SaysWhichBagHasNoTransforms) {
   // Not "class 'surface' has 0 samples": that would hide why.
   expectFailure(train({no_tf}), {no_tf, "no_transform"});
   EXPECT_EQ(folder_.list(), "no_tf.bag");
+}
+
+TEST_F(TrainClassifier, LearnsFromATileInBothPasses) {
+  const std::string tile = folder_.write("tile.xyz_label_conf", oaklandText(street(1)));
+  const ProgramRun run = train({tile, "--report", folder_.file("report")});
+  expectSuccess(run);
+  const ClassifierModel model = loadClassifierModel(folder_.file("model.yaml"));
+  EXPECT_EQ(model.provenance.at("inputs"), "tile.xyz_label_conf");
+  const nlohmann::json report = readJson(folder_.file("report/report.json"));
+  EXPECT_EQ(report["kind"], "training");
+  // Ground and walls, but every 100th, once whole and once as a stream.
+  EXPECT_NEAR(report["classes"][0]["points"].get<double>(), 2 * 0.99 * (24000 + 12 * 600), 700);
+  for (const char* picture : {"report/features.png"}) {
+    EXPECT_EQ(fileBytes(folder_.file(picture)).substr(1, 3), "PNG") << picture;
+  }
+  expectSuccess(train({tile, "--passes", "whole", "--report", folder_.file("whole")}));
+  const nlohmann::json whole = readJson(folder_.file("whole/report.json"));
+  EXPECT_EQ(2 * whole["classes"][0]["points"].get<int>(), report["classes"][0]["points"]);
+  EXPECT_EQ(loadClassifierModel(folder_.file("model.yaml")).provenance.at("passes"), "whole");
+}
+
+TEST_F(TrainClassifier, ChoosesComponentsAndShowsWhy) {
+  const std::string tile = folder_.write("tile.xyz_label_conf", oaklandText(street(1)));
+  const std::string model = folder_.file("model.yaml");
+  for (const std::string choice : {"held_out", "bic"}) {
+    const std::string folder = folder_.file("by_" + choice);
+    expectSuccess(runProgram("train_classifier", {tile, "--out", model, "--report", folder,
+                                                  "--samples", "500", "--choose-by", choice}));
+    const nlohmann::json report = readJson(folder + "/report.json");
+    for (const nlohmann::json& one : report["classes"]) {
+      EXPECT_EQ(one["chosen_by"], choice) << one["name"];
+      EXPECT_GE(one["scores"].size(), 5u);
+      // What was chosen may shrink when weights vanish, but never grow.
+      EXPECT_LE(one["components"], 8);
+    }
+    EXPECT_EQ(fileBytes(folder + "/components.png").substr(1, 3), "PNG");
+  }
+}
+
+TEST_F(TrainClassifier, LearnsAnyClassesWithTheirColors) {
+  const std::string tile = folder_.write("tile.csv", csvText(street(1), "kind"));
+  const std::string classes =
+      folder_.write("classes.yaml",
+                    "classes:\n  - {name: flat, labels: [1202, 1400], color: \"#010203\"}\n"
+                    "  - {name: rest, labels: [1300, 1101, 1103]}\n");
+  expectSuccess(
+      train({tile, "--classes", classes, "--label-field", "kind", "--priors", "training"}));
+  const ClassifierModel model = loadClassifierModel(folder_.file("model.yaml"));
+  ASSERT_EQ(model.classes.size(), 2u);
+  EXPECT_EQ(model.classes[0].name, "flat");
+  EXPECT_EQ(model.classes[0].rgb, 0x010203u);
+  EXPECT_NEAR(model.classes[0].prior, 31200.0 / (31200.0 + 8400.0 + 3000.0 + 3000.0), 0.01);
+}
+
+TEST_F(TrainClassifier, NamesWhatIsWrongWithLabels) {
+  const std::string tile = folder_.write("tile.csv", csvText(street(1), "kind"));
+  const std::string classes =
+      folder_.write("classes.yaml", "classes: [{name: a, labels: [7]}, {name: b, labels: [8]}]\n");
+  expectFailure(train({tile}), {tile, "'truth'", "--classes", "kind"});
+  expectFailure(train({tile, "--classes", classes}), {tile, "'label'", "kind"});
+  expectFailure(train({tile, "--classes", classes, "--label-field", "kind"}),
+                {tile, "not one point"});
+  expectFailure(train({tile, "--classes", folder_.file("no.yaml")}), {"no.yaml"});
+  const std::string empty = folder_.write("empty.csv", "");
+  expectFailure(train({empty, "--classes", classes}), {empty});
+  const std::string one = folder_.write(
+      "one.yaml", "classes: [{name: flat, labels: [1202]}, {name: none, labels: [8]}]\n");
+  expectFailure(train({tile, "--classes", one, "--label-field", "kind"}), {"'none'", "0 samples"});
+  EXPECT_EQ(folder_.list(), "classes.yaml empty.csv one.yaml tile.csv");
 }
 
 TEST_F(TrainClassifier, RefusesBadArguments) {
@@ -130,12 +200,16 @@ TEST_F(TrainClassifier, RefusesBadArguments) {
   expectFailure(runProgram("train_classifier", {drive("campus"), "--out", path, "--samples", "500",
                                                 "--components", "1"}),
                 {path});
+  expectFailure(train({drive("campus"), "--components", "many"}), {"--components", "many"});
+  expectFailure(train({drive("campus"), "--passes", "half"}), {"'half'", "whole"});
+  expectFailure(train({drive("campus"), "--report", "/proc/report"}), {"/proc/report"});
   EXPECT_EQ(folder_.list(), "");
 }
 
 TEST_F(TrainClassifier, Helps) {
   expectHelp("train_classifier",
-             {"--out", "--config", "--features", "--components", "--samples", "--seed", "truth"});
+             {"--out", "--report", "--classes", "--config", "--features", "--passes",
+              "--components", "--samples", "--priors", "--seed", "truth"});
 }
 
 }  // namespace
