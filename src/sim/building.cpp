@@ -63,15 +63,15 @@ void addBay(double x0, double x1, double z0, double z1, const Opening& opening, 
   writer->add(right, x1, z0, z1, 0.0, kWallM, wall);
   if (opening.low_m > 0.0) {
     writer->add(left, right, z0, low, 0.0, kWallM, wall);
-    writer->add(left - 0.05, right + 0.05, low - 0.06, low, -0.06, 0.2, Material::kConcrete);
+    writer->add(left - 0.05, right + 0.05, low - 0.06, low, -0.06, 0.2, Material::kTrim);
   }
   writer->add(left, right, high, z1, 0.0, kWallM, wall);
   writer->add(left, right, low, high, opening.recess_m, 0.05, opening.fill);
   if (opening.fill == Material::kGlass) {  // a cross of frame bars
     const double middle = 0.5 * (left + right);
     const double inset = opening.recess_m - 0.03;
-    writer->add(middle - 0.03, middle + 0.03, low, high, inset, 0.06, Material::kPlank);
-    writer->add(left, right, low + 0.9, low + 0.96, inset, 0.06, Material::kPlank);
+    writer->add(middle - 0.03, middle + 0.03, low, high, inset, 0.06, Material::kWindowFrame);
+    writer->add(left, right, low + 0.9, low + 0.96, inset, 0.06, Material::kWindowFrame);
   }
 }
 
@@ -81,7 +81,7 @@ void addFacade(const Facade& facade, const BuildingStyle& style, Model* parts) {
   FacadeWriter writer(facade, parts);
   // Down into the ground: buildings stand on slopes too.
   writer.add(-0.05, facade.length_m + 0.05, -1.5, style.plinth_m, -0.05, kWallM,
-             Material::kConcrete);
+             Material::kTrim);
   const int bays = bayCount(facade.length_m);
   const double bay = facade.length_m / bays;
   for (int floor = 0; floor < style.floors; ++floor) {
@@ -114,7 +114,7 @@ Model makeBuilding(const BuildingStyle& style) {
   for (const Facade& facade : facades) addFacade(facade, style, &parts);
   const double top = style.plinth_m + kFloorM * style.floors;
   parts.push_back(makeBox({0.0, 0.0, top + 0.15}, {style.length_m + 0.6, style.width_m + 0.6, 0.3},
-                          0.0, Material::kConcrete));
+                          0.0, Material::kTrim));
   // Dark inside: rays that slip past a frame end on a core instead of crossing the building.
   parts.push_back(makeBox({0.0, 0.0, 0.5 * top}, {style.length_m - 1.5, style.width_m - 1.5, top},
                           0.0, Material::kPlaster));

@@ -98,14 +98,14 @@ void SceneBuilder::scatter(const Scattering& scattering) {
 }
 
 void SceneBuilder::hangWire(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double sag_m,
-                            double radius_m) {
+                            double radius_m, Material material) {
   const auto pieces = std::max(2, static_cast<int>((to - from).norm() / 1.5));
   Eigen::Vector3d last = from;
   for (int i = 1; i <= pieces; ++i) {
     const double u = static_cast<double>(i) / pieces;
     Eigen::Vector3d next = from + u * (to - from);
     next.z() -= 4.0 * sag_m * u * (1.0 - u);
-    fixed_.push_back(makeCapsule(last, next, radius_m, Material::kWire));
+    fixed_.push_back(makeCapsule(last, next, radius_m, material));
     last = next;
   }
 }

@@ -56,7 +56,7 @@ class SceneBuilder {
   std::vector<Primitive>& fixed() { return fixed_; }
   /// A capsule chain that sags like a wire between two points.
   void hangWire(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double sag_m,
-                double radius_m);
+                double radius_m, Material material = Material::kWire);
 
   bool isFree(const Eigen::Vector2d& p_world, double radius_m) const;
   void claim(const Eigen::Vector2d& p_world, double radius_m);

@@ -60,7 +60,7 @@ void addKerbs(SceneBuilder* builder) {
       if (std::fmod(s, 40.0) < 5.0) continue;  // driveways
       const Eigen::Vector2d p = builder->circuit().beside(s, left);
       builder->fixed().push_back(makeBox(builder->at(p, -0.07), {1.06, 0.16, 0.42},
-                                         builder->circuit().heading(s), Material::kConcrete));
+                                         builder->circuit().heading(s), Material::kKerb));
     }
   }
 }

@@ -152,7 +152,7 @@ Model makeBush(double height_m, double radius_m, Random* random) {
               Material::kTwig};
     const std::vector<Eigen::Vector3d> joints = growLimb(stem, random, &parts);
     for (int k = 1; k <= stem.pieces; ++k) {
-      growClump(joints[k], 0.30 * radius_m + 0.08, 34, 0.03, Material::kLeaf, random, &parts);
+      growClump(joints[k], 0.30 * radius_m + 0.08, 34, 0.03, Material::kShrubLeaf, random, &parts);
     }
   }
   return parts;
