@@ -39,7 +39,7 @@ struct Options {
   uint64_t seed = 1;
   std::string sensor = "xuv";
   double sensor_height_m = 0.0;  // 0: the sensor's own
-  std::string look;  // empty: where the sensor looks by itself
+  std::string look;              // empty: where the sensor looks by itself
   std::string out;
 };
 
@@ -144,10 +144,11 @@ void addOptions(CLI::App* app, Options* options) {
                   "tall_grass (up to 1 m), campus (buildings, cars, bicycles)")
       ->check(CLI::IsMember(ladar_perception::sim::sceneNames()))
       ->capture_default_str();
-  app->add_option("--sensor", options->sensor,
-                  "xuv (range images from a turret, 20 Hz), vlp16 (16 rings, 10 Hz), hdl64 and os64 "
-                  "(64 rings, 10 Hz), pushbroom (a vertical plane beside the vehicle, 37.5 lines "
-                  "a second, five a cloud)")
+  app->add_option(
+         "--sensor", options->sensor,
+         "xuv (range images from a turret, 20 Hz), vlp16 (16 rings, 10 Hz), hdl64 and os64 "
+         "(64 rings, 10 Hz), pushbroom (a vertical plane beside the vehicle, 37.5 lines "
+         "a second, five a cloud)")
       ->check(CLI::IsMember(ladar_perception::sim::sensorNames()))
       ->capture_default_str();
   app->add_option("--sensor-height", options->sensor_height_m,

@@ -14,6 +14,9 @@ constexpr double kRadPerDeg = kPi / 180.0;
 // Depths closer than this are one surface to the receiver.
 constexpr double kSameDepthM = 0.12;
 
+constexpr int kMaxPanes = 4;
+constexpr double kPaneM = 0.02;
+
 /// Direction turned by small angles left and up.
 Eigen::Vector3d deflect(const Eigen::Vector3d& direction, double left_rad, double up_rad) {
   const Eigen::Vector3d left = Eigen::Vector3d::UnitZ().cross(direction).normalized();
@@ -147,14 +150,15 @@ Return Ladar::measure(const Eigen::Isometry3d& T_odom_ladar, int row, int column
   const double up_rad = sigma * random.normal();
   const Eigen::Vector3d axis = deflect(nominal, left_rad, up_rad);
   Rays hits;
-  hits[0] = cast(T_odom_ladar, axis);
+  hits[0] = cast(T_odom_ladar, axis, &random);
   // The other rays, spread over the footprint, tell what else the beam lies on.
   for (int i = 1; i < config_.rays; ++i) {
     const double out = std::sqrt((i - 1 + random.uniform()) / (config_.rays - 1));
     const double off_axis = 0.5e-3 * config_.divergence_mrad * out;
     const double turn = 2.0 * kPi * random.uniform();
-    hits[i] = cast(T_odom_ladar,
-                   deflect(axis, off_axis * std::cos(turn), off_axis * std::sin(turn)));
+    const Eigen::Vector3d side =
+        deflect(axis, off_axis * std::cos(turn), off_axis * std::sin(turn));
+    hits[i] = cast(T_odom_ladar, side, &random);
   }
   const Echo echo = receive(&hits, &random);
   if (!echo.hit.valid()) return result;
@@ -175,12 +179,22 @@ Return Ladar::measure(const Eigen::Isometry3d& T_odom_ladar, int row, int column
   return result;
 }
 
-Hit Ladar::cast(const Eigen::Isometry3d& T_odom_ladar,
-                const Eigen::Vector3d& direction_ladar) const {
+Hit Ladar::cast(const Eigen::Isometry3d& T_odom_ladar, const Eigen::Vector3d& direction_ladar,
+                Random* random) const {
   // Beyond the last range by a few sigma, so that noise can bring a return into range.
   const double limit_m = config_.max_range_m + 4.0 * config_.range_sigma_m;
-  return scene_.castRay({T_odom_ladar.translation(), T_odom_ladar.linear() * direction_ladar},
-                        limit_m);
+  const Eigen::Vector3d direction = T_odom_ladar.linear() * direction_ladar;
+  double passed_m = 0.0;
+  for (int pane = 0; pane < kMaxPanes; ++pane) {
+    const Eigen::Vector3d origin = T_odom_ladar.translation() + passed_m * direction;
+    Hit hit = scene_.castRay({origin, direction}, limit_m - passed_m);
+    if (!hit.valid()) return hit;
+    hit.range += passed_m;
+    const double transmission = propertiesOf(hit.material).transmission;
+    if (transmission == 0.0 || !random->chance(transmission)) return hit;
+    passed_m = hit.range + kPaneM;
+  }
+  return Hit();
 }
 
 Ladar::Echo Ladar::receive(Rays* hits, Random* random) const {

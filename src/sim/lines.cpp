@@ -22,6 +22,15 @@ void addSpan(const Eigen::Vector3d& from, const Eigen::Vector3d& to, FenceKind k
     }
     return;
   }
+  if (kind == FenceKind::kBoards) {
+    const Eigen::Vector3d across = to - from;
+    const double yaw = std::atan2(across.y(), across.x());
+    for (double u = 0.03; u < 1.0; u += 0.05) {
+      const Eigen::Vector3d p = raised(from + u * across, 0.62);
+      builder->fixed().push_back(makeBox(p, {0.1, 0.02, 1.1}, yaw, Material::kPlank));
+    }
+    return;
+  }
   for (const double z : {0.5, 1.0}) {
     builder->fixed().push_back(
         makeCapsule(raised(from, z), raised(to, z), 0.045, Material::kFenceRail));

@@ -23,7 +23,7 @@ double halfSize(const Circuit& circuit) {
 HeightField makeGround(const Circuit& circuit, const GroundStyle& style, uint64_t seed) {
   const auto height = [&](double x, double y) {
     const double away = std::clamp((circuit.distanceTo(x, y) - 1.5) / 4.0, 0.0, 1.0);
-    double sum = 0.0;
+    double sum = style.profile ? style.profile(circuit.placeOf(x, y)) : 0.0;
     uint64_t layer = 0;
     for (const Bumps& bumps : style.layers) {
       const double share = bumps.on_track + (1.0 - bumps.on_track) * away;

@@ -22,6 +22,8 @@ struct GroundStyle {
   std::vector<Bumps> layers;
   /// From the distance to the track and a slow noise in -1..1.
   std::function<Material(double track_m, double noise)> material;
+  /// Height added to the layers, in the coordinates of the track; may be empty.
+  std::function<double(const TrackPlace& place)> profile = nullptr;
 };
 
 /// How models are scattered over the world.
@@ -89,5 +91,7 @@ World makeFlatGround(uint64_t seed);
 World makeForest(uint64_t seed);
 World makeTallGrass(uint64_t seed);
 World makeCampus(uint64_t seed);
+World makeStreet(uint64_t seed);
+World makeScrubland(uint64_t seed);
 
 }  // namespace ladar_perception::sim

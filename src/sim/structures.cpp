@@ -106,36 +106,24 @@ Model makeUtilityPole(double height_m) {
   return parts;
 }
 
+Model makeHydrant() {
+  return {makeCylinder({0.0, 0.0, -0.1}, {0.0, 0.0, 0.62}, 0.12, Material::kMetalBox),
+          makeSphere({0.0, 0.0, 0.62}, 0.12, Material::kMetalBox),
+          makeCapsule({0.0, -0.18, 0.45}, {0.0, 0.18, 0.45}, 0.06, Material::kMetalBox)};
+}
+
+Model makeLitterBin() {
+  return {makeCylinder({0.0, 0.0, -0.1}, {0.0, 0.0, 0.95}, 0.28, Material::kMetalBox)};
+}
+
+Model makeParkingMeter() {
+  return {makeCapsule({0.0, 0.0, -0.2}, {0.0, 0.0, 1.1}, 0.035, Material::kSteel),
+          makeBox({0.0, 0.0, 1.25}, {0.12, 0.16, 0.3}, 0.0, Material::kMetalBox)};
+}
+
 Model makeSignPost() {
   return {makeCapsule({0.0, 0.0, -0.3}, {0.0, 0.0, 2.2}, 0.03, Material::kSteel),
           makeBox({0.04, 0.0, 1.95}, {0.01, 0.55, 0.55}, 0.0, Material::kBoard)};
-}
-
-Model makeCar(Random* random) {
-  Model parts;
-  const double length = random->uniform(3.9, 4.7);
-  const double front = 0.5 * length;
-  const auto box = [&](double x, double z, double lx, double ly, double lz, Material material,
-                       double pitch = 0.0) {
-    parts.push_back(makeBox({x, 0.0, z}, {lx, ly, lz}, 0.0, material, pitch));
-  };
-  box(0.0, 0.55, length, 1.72, 0.42, Material::kCarPaint);
-  box(0.0, 0.42, length - 0.3, 1.76, 0.36, Material::kCarPaint);
-  box(0.62 * front, 0.76, 0.7 * front, 1.6, 0.12, Material::kCarPaint, 0.08);
-  box(-0.25, 0.98, 2.1, 1.50, 0.50, Material::kCarGlass);
-  box(-0.30, 1.38, 1.6, 1.42, 0.12, Material::kCarPaint);
-  box(0.80, 1.08, 0.78, 1.46, 0.05, Material::kCarGlass, 0.72);
-  box(-1.28, 1.08, 0.62, 1.46, 0.05, Material::kCarGlass, -0.95);
-  for (const double x : {-0.62 * front, 0.62 * front}) {
-    for (const double y : {-0.89, 0.69}) {
-      parts.push_back(makeCylinder({x, y, 0.31}, {x, y + 0.2, 0.31}, 0.31, Material::kRubber));
-    }
-  }
-  // Pillars carry the roof; ladars see them as part of the body.
-  for (const double y : {-0.72, 0.72}) {
-    parts.push_back(makeBox({-0.25, y, 1.1}, {0.12, 0.08, 0.6}, 0.0, Material::kCarPaint));
-  }
-  return parts;
 }
 
 Model makeStairs(double width_m, double rise_m) {

@@ -122,7 +122,8 @@ Model makeSapling(double height_m, Random* random) {
             0.006,
             0.08,
             0.0,
-            5};
+            5,
+            Material::kBark};
   const std::vector<Eigen::Vector3d> joints = growLimb(stem, random, &parts);
   const int branches = 4 + random->below(5);
   for (int i = 0; i < branches; ++i) {

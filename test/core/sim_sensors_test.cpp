@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The sensors by name: where their beams go, when, and what they say was hit.
-#include "ladar_perception/sim/sensors.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 
 #include "ladar_perception/io/class_mapping.h"
 #include "ladar_perception/sim/scan_cloud.h"
+#include "ladar_perception/sim/sensors.h"
 #include "ladar_perception/sim/world.h"
 
 namespace ladar_perception::sim {

@@ -102,9 +102,9 @@ class SimulateLadarSensor : public ::testing::TestWithParam<SensorCase> {};
 TEST_P(SimulateLadarSensor, WritesItsOwnCloudsAtItsHeight) {
   const ScratchFolder folder;
   const std::string path = folder.file("scene.bag");
-  expectSuccess(runProgram("simulate_ladar", {"--scene", "campus", "--sensor", GetParam().name,
-                                              "--sensor-height", "1.45", "--duration", "0.8",
-                                              "--speed", "8", "--out", path}));
+  expectSuccess(runProgram("simulate_ladar",
+                           {"--scene", "campus", "--sensor", GetParam().name, "--sensor-height",
+                            "1.45", "--duration", "0.8", "--speed", "8", "--out", path}));
   const auto scans = readClouds(path, "/points");
   ASSERT_EQ(scans.size(), static_cast<std::size_t>(0.8 / GetParam().period_s + 1e-6));
   for (std::size_t i = 0; i < scans.size(); ++i) {

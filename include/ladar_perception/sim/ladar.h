@@ -32,7 +32,7 @@ struct LadarConfig {
   double min_range_m = 0.5;
   double max_range_m = 50.0;
   double range_sigma_m = 0.02;
-  double range_step_m = 0.0;       ///< ranges are multiples of this; 0: not rounded
+  double range_step_m = 0.0;        ///< ranges are multiples of this; 0: not rounded
   double angle_sigma_deg = 0.03;    ///< of the beam about the direction that is reported
   double divergence_mrad = 4.0;     ///< full angle of the beam
   int rays = 2;                     ///< that stand for the beam: its axis, and others around it
@@ -99,7 +99,8 @@ class Ladar {
 
   Eigen::Isometry3d T_odom_ladar(double time_s) const;
   Return measure(const Eigen::Isometry3d& T_odom_ladar, int row, int column, Random random) const;
-  Hit cast(const Eigen::Isometry3d& T_odom_ladar, const Eigen::Vector3d& direction_ladar) const;
+  Hit cast(const Eigen::Isometry3d& T_odom_ladar, const Eigen::Vector3d& direction_ladar,
+           Random* random) const;
   Echo receive(Rays* hits, Random* random) const;
   bool detected(const Hit* first, const Hit* last, Random* random) const;
   void mixWith(const Hit& far, Echo* echo, Random* random) const;
