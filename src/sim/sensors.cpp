@@ -65,9 +65,9 @@ LadarConfig pushbroom() {
   config.rate_hz = 7.5;
   config.row_sweep_s = 0.5 / 75.0;  // the mirror turns 75 times a second, half a turn is a line
   config.max_range_m = 60.0;
-  config.range_sigma_m = 0.012;
+  config.range_sigma_m = 0.008;
   config.range_step_m = 0.01;
-  config.divergence_mrad = 8.0;
+  config.divergence_mrad = 11.0;
   config.rays = 5;  // a wide beam: thin wires are seen by a part of it
   config.drop_probability = 0.005;
   config.mixed_probability = 0.2;

@@ -106,6 +106,42 @@ Model makeUtilityPole(double height_m) {
   return parts;
 }
 
+Model makeStreetPole(const UtilityPoleStyle& style) {
+  Model parts;
+  const double top = style.height_m + 0.4;
+  const double thin = 0.7 * style.radius_m;
+  constexpr int kPieces = 4;
+  for (int i = 0; i < kPieces; ++i) {
+    const double low = i == 0 ? -0.8 : top * i / kPieces;
+    const double radius = style.radius_m + (thin - style.radius_m) * (i + 0.5) / kPieces;
+    parts.push_back(
+        makeCylinder({0, 0, low}, {0, 0, top * (i + 1) / kPieces}, radius, Material::kPost));
+  }
+  for (int arm = 0; arm < style.cross_arms; ++arm) {
+    const double z = style.height_m - 0.9 * arm;
+    parts.push_back(makeBox({thin + 0.05, 0.0, z}, {0.11, 2.2, 0.13}, 0.0, Material::kPost));
+    for (const double y : {-0.9, -0.3, 0.3, 0.9}) {
+      parts.push_back(
+          makeCapsule({thin + 0.05, y, z}, {thin + 0.05, y, z + 0.2}, 0.04, Material::kPost));
+    }
+    for (const double y : {-0.6, 0.6}) {
+      parts.push_back(makeCapsule({0.0, 0.0, z - 0.6}, {thin, y, z}, 0.02, Material::kSteel));
+    }
+  }
+  if (style.transformer) {
+    const double x = -thin - 0.3;
+    const double z = style.height_m - 2.2;
+    parts.push_back(makeCylinder({x, 0, z}, {x, 0, z + 1.0}, 0.25, Material::kMetalBox));
+  }
+  if (style.lamp_arm_m > 0.0) {
+    const Vector3d root(0.0, 0.0, 7.0);
+    const Vector3d head(0.0, style.lamp_arm_m, 7.7);
+    parts.push_back(makeCapsule(root, head, 0.04, Material::kSteel));
+    parts.push_back(makeBox(head, {0.22, 0.55, 0.14}, 0.0, Material::kMetalBox));
+  }
+  return parts;
+}
+
 Model makeHydrant() {
   return {makeCylinder({0.0, 0.0, -0.1}, {0.0, 0.0, 0.62}, 0.12, Material::kMetalBox),
           makeSphere({0.0, 0.0, 0.62}, 0.12, Material::kMetalBox),

@@ -20,6 +20,16 @@ Model makeLampPost(double height_m);
 /// Pole with a cross-arm along y; wires hang from +-0.9 m at
 /// `height_m`.
 Model makeUtilityPole(double height_m);
+struct UtilityPoleStyle {
+  double height_m = 10.0;
+  double radius_m = 0.16;
+  int cross_arms = 1;
+  bool transformer = false;
+  double lamp_arm_m = 0.0;  ///< 0: none
+};
+
+/// Pole of a street, with arms along y, the lamp towards +y; wires hang at `height_m` + 0.15 from the topmost.
+Model makeStreetPole(const UtilityPoleStyle& style);
 Model makeSignPost();
 Model makeHydrant();
 Model makeLitterBin();

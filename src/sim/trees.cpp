@@ -60,7 +60,7 @@ void growTwigs(const std::vector<Vector3d>& joints, const Crown& crown, const Tr
     // The inside of a crown is in the dark.
     if (random->uniform() > crown.share(end) + 0.25) continue;
     const double radius = 0.10 * crown.radius_m * random->uniform(0.7, 1.4) + 0.15;
-    const auto leaves = static_cast<int>(style.leaves_per_m3 * 2.4 * radius * radius * radius);
+    const auto leaves = static_cast<int>(style.leaves_per_m3 * 2.0 * radius * radius * radius);
     growHeap(end, radius, leaves, style.leaf_radius_m, style.leaf, random, parts);
   }
 }

@@ -20,7 +20,7 @@ struct TreeStyle {
   double crown_radius_m = 3.5;
   int branches = 12;
   double leaves_per_m3 = 220.0;  ///< inside the clumps
-  double leaf_radius_m = 0.042;
+  double leaf_radius_m = 0.05;
   Material bark = Material::kBark;
   Material leaf = Material::kLeaf;
 };
