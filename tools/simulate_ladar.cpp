@@ -139,9 +139,11 @@ std::string finite(const std::string& text) {
 }
 
 void addOptions(CLI::App* app, Options* options) {
-  app->add_option("--scene", options->scene,
-                  "What to drive through: flat_ground (fences, hedges, power lines), forest, "
-                  "tall_grass (up to 1 m), campus (buildings, cars, bicycles)")
+  app->add_option(
+         "--scene", options->scene,
+         "What to drive through: flat_ground (fences, hedges, power lines), forest, "
+         "tall_grass (up to 1 m), campus (buildings, cars, bicycles), street (houses, trees, "
+         "wires, parked cars), scrubland (low bushes, grass and rocks on slopes)")
       ->check(CLI::IsMember(ladar_perception::sim::sceneNames()))
       ->capture_default_str();
   app->add_option(

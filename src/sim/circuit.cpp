@@ -98,9 +98,13 @@ TrackPlace Circuit::placeOf(double x_m, double y_m) const {
   const uint16_t nearest = nearest_[cell(y_m) * side_ + cell(x_m)];
   const double h = headings_rad_[nearest];
   const Eigen::Vector2d offset = Eigen::Vector2d(x_m, y_m) - points_[nearest];
-  // Along the tangent of the nearest of the points, which stand one metre apart.
-  return {nearest + offset.x() * std::cos(h) + offset.y() * std::sin(h),
-          -offset.x() * std::sin(h) + offset.y() * std::cos(h)};
+  const double along = offset.x() * std::cos(h) + offset.y() * std::sin(h);
+  const double left = -offset.x() * std::sin(h) + offset.y() * std::cos(h);
+  // The points stand one metre apart. What is along their tangent far out is less on the track in
+  // a bend, or more on its inner side.
+  const double next = headings_rad_[(nearest + 1) % points_.size()];
+  const double bend = std::remainder(next - h, kTwoPi);
+  return {nearest + along / std::max(1.0 - bend * left, 0.2), left};
 }
 
 double Circuit::distanceTo(double x_m, double y_m) const {

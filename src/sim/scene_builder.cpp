@@ -71,7 +71,7 @@ void SceneBuilder::claim(const Eigen::Vector2d& p_world, double radius_m) {
 void SceneBuilder::scatter(const Scattering& scattering) {
   std::vector<double> reach;
   for (const uint32_t model : scattering.models) {
-    reach.push_back(scene_.reachBelow(model, kClearHeightM / scattering.min_scale));
+    reach.push_back(scene_.reachBelow(model, clear_height_m_ / scattering.min_scale));
   }
   const uint64_t patches = streamSeed(seed_, {9, random_.bits()});
   const auto models = static_cast<int>(scattering.models.size());

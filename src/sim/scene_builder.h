@@ -52,6 +52,8 @@ class SceneBuilder {
     return scene_.addModel(std::move(primitives));
   }
   void place(uint32_t model, const Eigen::Vector2d& p_world, double yaw_rad, double scale = 1.0);
+  /// Where the ground is steep, parts that are high above a foot are low above the track.
+  void keepClear(double height_m) { clear_height_m_ = height_m; }
   /// Places models where nothing is claimed and the track stays clear.
   void scatter(const Scattering& scattering);
   /// Shapes in world coordinates, for things that follow the ground: fences, wires, kerbs.
@@ -74,6 +76,7 @@ class SceneBuilder {
   Random random_;
   Circuit circuit_;
   double half_size_m_;
+  double clear_height_m_ = kClearHeightM;
   Scene scene_;
   std::vector<Primitive> fixed_;
   std::vector<Claim> claims_;

@@ -98,9 +98,9 @@ void addTrees(SceneBuilder* builder) {
     style.leaves_per_m3 = 0.0;
     return makeCrownTree(style, random);
   });
-  builder->scatter({slim, 130, 0.8, 1.2, 1.2, 3.0});
-  builder->scatter({bare, 60, 0.8, 1.2, 1.2, 3.0});
-  builder->scatter({saplings, 260, 0.7, 1.3, 0.5, 2.8});
+  builder->scatter({slim, 320, 0.8, 1.2, 1.2, 3.0});
+  builder->scatter({bare, 110, 0.8, 1.2, 1.2, 3.0});
+  builder->scatter({saplings, 700, 0.7, 1.3, 0.5, 2.8});
 }
 
 }  // namespace
@@ -115,13 +115,14 @@ World makeScrubland(uint64_t seed) {
                           },
                           [seed](const TrackPlace& place) { return gulliesAndBanks(place, seed); }};
   SceneBuilder builder(shape, style, seed);
+  builder.keepClear(2.0 * kClearHeightM);
   const double length = builder.circuit().length();
   const double fence = random.uniform(0.0, 0.3);
-  addFenceAlongTrack(fence * length, (fence + 0.3) * length, random.uniform(4.5, 9.0),
+  addFenceAlongTrack(fence * length, (fence + 0.3) * length, random.uniform(3.5, 6.0),
                      FenceKind::kWire, &builder);
-  addFenceAlongTrack(0.65 * length, 0.85 * length, -random.uniform(4.5, 9.0),
+  addFenceAlongTrack(0.65 * length, 0.85 * length, -random.uniform(3.5, 6.0),
                      random.chance(0.5) ? FenceKind::kWire : FenceKind::kRails, &builder);
-  addPowerLine({-90.0, random.uniform(-30.0, 30.0)}, {90.0, random.uniform(-30.0, 30.0)}, 26.0, 6.0,
+  addPowerLine({-90.0, random.uniform(-30.0, 30.0)}, {90.0, random.uniform(-30.0, 30.0)}, 20.0, 8.5,
                &builder);
   const auto rocks = addVariants(
       6, &builder, [](Random* maker) { return makeRock(maker->uniform(0.12, 0.9), maker); });

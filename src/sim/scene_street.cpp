@@ -27,7 +27,7 @@ StreetStock fillStock(SceneBuilder* builder) {
     TreeStyle style;
     style.height_m = random->uniform(9.0, 14.5);
     style.trunk_radius_m = style.height_m * random->uniform(0.014, 0.028);
-    style.bare_m = random->uniform(2.2, 3.4);
+    style.bare_m = random->uniform(2.9, 3.8);
     style.crown_radius_m = style.height_m * random->uniform(0.26, 0.40);
     style.branches = 12 + random->below(7);
     style.leaves_per_m3 = random->uniform(250.0, 700.0);
@@ -102,7 +102,7 @@ void addTrafficAndVerge(const StreetSection& section, const StreetStock& stock,
       if (valueNoise(s / 40.0, 9.0 * side, 78) < -0.2) continue;
       const bool young = random.chance(0.3);
       plant(anyOf(young ? stock.young_trees : stock.trees, builder), s,
-            side * (section.kerb_m + 0.95), 0.5, random.uniform(0.8, 1.1), builder);
+            side * (section.kerb_m + 0.95), 0.5, random.uniform(0.9, 1.15), builder);
     }
   }
 }

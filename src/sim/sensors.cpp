@@ -12,7 +12,7 @@ LadarConfig spinning() {
   config.width_deg = 360.0;
   config.rate_hz = 10.0;
   config.max_range_m = 60.0;
-  config.range_sigma_m = 0.012;
+  config.range_sigma_m = 0.015;
   config.range_step_m = 0.002;
   config.angle_sigma_deg = 0.02;
   config.divergence_mrad = 3.0;
@@ -42,6 +42,7 @@ LadarConfig hdl64() {
   config.rows = 64;
   for (int row = 0; row < 32; ++row) config.row_elevations_deg.push_back(2.0 - row / 3.0);
   for (int row = 0; row < 32; ++row) config.row_elevations_deg.push_back(-8.83 - 0.5 * row);
+  config.range_sigma_m = 0.022;  // every laser has a bias of its own as well
   config.mount_height_m = 1.73;
   return config;
 }

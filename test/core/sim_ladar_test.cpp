@@ -274,6 +274,33 @@ TEST(SimLadar, AWideBeamSeesAThinWireAndReportsItsOwnDirection) {
   }
 }
 
+TEST(SimLadar, HalfOfTheLightGoesThroughAWindow) {
+  const Circuit circuit({40.0, 40.0});
+  Scene scene{HeightField()};
+  scene.place(scene.addModel({makeBox({40.0, 8.0, 0}, {40, 0.05, 20}, 0, Material::kGlass),
+                              makeBox({40.0, 9.0, 0}, {40, 0.2, 20}, 0, Material::kBrick)}),
+              Placement());
+  scene.finish();
+  const VehiclePath path(circuit, scene.ground(), 0.0);
+  LadarConfig config;
+  config.rays = 1;
+  config.range_sigma_m = 0.0;
+  const Ladar ladar(config, scene, path, 1);
+  int pane = 0;
+  int wall = 0;
+  for (const Return& r : ladar.takeScan(0)) {
+    if (!r.valid()) continue;
+    const double time_s = double{r.time_s};
+    const double y =
+        (path.T_odom_base(time_s) * ladar.T_base_ladar(time_s) * r.p_ladar.cast<double>()).y();
+    pane += std::abs(y - 7.975) < 0.05 ? 1 : 0;
+    wall += std::abs(y - 8.9) < 0.05 ? 1 : 0;
+  }
+  EXPECT_GT(pane, 1000);
+  EXPECT_GT(wall, 1000);
+  EXPECT_NEAR(static_cast<double>(wall) / (wall + pane), 0.6, 0.1) << "dark panes return less";
+}
+
 TEST(SimLadar, SameSeedSameBitsInAnyOrder) {
   const World world = makePlain(true);
   const VehiclePath path(world.circuit, world.scene.ground(), 2.0);

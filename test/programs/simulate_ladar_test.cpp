@@ -87,7 +87,8 @@ TEST_P(SimulateLadarScene, MakesABag) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, SimulateLadarScene,
-                         ::testing::Values("flat_ground", "forest", "tall_grass", "campus"),
+                         ::testing::Values("flat_ground", "forest", "tall_grass", "campus",
+                                           "street", "scrubland"),
                          [](const auto& scene) { return std::string(scene.param); });
 
 struct SensorCase {
@@ -230,9 +231,10 @@ TEST(SimulateLadar, RefusesAPathItCannotWrite) {
 }
 
 TEST(SimulateLadar, Helps) {
-  expectHelp("simulate_ladar", {"--scene", "flat_ground", "forest", "tall_grass", "campus",
-                                "--sensor", "vlp16", "pushbroom", "--sensor-height", "--look",
-                                "--duration", "--speed", "--seed", "--out"});
+  expectHelp("simulate_ladar",
+             {"--scene", "flat_ground", "forest", "tall_grass", "campus", "street", "scrubland",
+              "--sensor", "vlp16", "pushbroom", "--sensor-height", "--look", "--duration",
+              "--speed", "--seed", "--out"});
 }
 
 }  // namespace
