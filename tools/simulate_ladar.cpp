@@ -13,6 +13,7 @@
 #include <string>
 
 #include "ladar_perception/sim/scan_cloud.h"
+#include "ladar_perception/sim/sensors.h"
 #include "ladar_perception/sim/world.h"
 #include "ladar_perception/util/progress.h"
 #include "scan_bag_writer.h"
@@ -36,6 +37,9 @@ struct Options {
   double duration_s = 20.0;
   double speed_m_s = 2.0;
   uint64_t seed = 1;
+  std::string sensor = "xuv";
+  double sensor_height_m = 0.0;  // 0: the sensor's own
+  std::string look;              // empty: where the sensor looks by itself
   std::string out;
 };
 
@@ -85,8 +89,19 @@ void printSummary(const Options& options, uint64_t scans, const ScanSummary& sum
               percent(sum.linear, sum.returned), percent(sum.mixed, sum.returned));
 }
 
+LadarConfig chosenSensor(const Options& options) {
+  LadarConfig config = ladar_perception::sim::sensorConfig(options.sensor);
+  if (options.sensor_height_m > 0.0) config.mount_height_m = options.sensor_height_m;
+  if (options.look == "left") config.heads_deg = {90.0};
+  if (options.look == "both") {
+    config.heads_deg = {90.0, -90.0};
+    config.columns *= 2;
+  }
+  return config;
+}
+
 void simulate(const Options& options) {
-  const LadarConfig config;
+  const LadarConfig config = chosenSensor(options);
   const auto scans =
       static_cast<uint64_t>(std::max(1.0, std::floor(options.duration_s * config.rate_hz + 1e-9)));
   const auto begin = std::chrono::steady_clock::now();
@@ -124,13 +139,30 @@ std::string finite(const std::string& text) {
 }
 
 void addOptions(CLI::App* app, Options* options) {
-  app->add_option("--scene", options->scene,
-                  "What to drive through: flat_ground (fences, hedges, power lines), forest, "
-                  "tall_grass (up to 1 m), campus (buildings, cars, bicycles)")
+  app->add_option(
+         "--scene", options->scene,
+         "What to drive through: flat_ground (fences, hedges, power lines), forest, "
+         "tall_grass (up to 1 m), campus (buildings, cars, bicycles), street (houses, trees, "
+         "wires, parked cars), scrubland (low bushes, grass and rocks on slopes)")
       ->check(CLI::IsMember(ladar_perception::sim::sceneNames()))
       ->capture_default_str();
+  app->add_option(
+         "--sensor", options->sensor,
+         "xuv (range images from a turret, 20 Hz), vlp16 (16 rings, 10 Hz), hdl64 and os64 "
+         "(64 rings, 10 Hz), pushbroom (a vertical plane beside the vehicle, 37.5 lines "
+         "a second, five a cloud)")
+      ->check(CLI::IsMember(ladar_perception::sim::sensorNames()))
+      ->capture_default_str();
+  app->add_option("--sensor-height", options->sensor_height_m,
+                  "Height of the sensor above the ground under the vehicle, m, 0.2 to 5; each "
+                  "sensor has its own by default")
+      ->check(CLI::Range(0.2, 5.0))
+      ->check(finite);
+  app->add_option("--look", options->look,
+                  "Side that the pushbroom looks to: left, right (its default) or both")
+      ->check(CLI::IsMember({"left", "right", "both"}));
   app->add_option("--duration", options->duration_s,
-                  "Seconds to record, 0.05 to 3600; 20 scans per second")
+                  "Seconds to record, 0.05 to 3600; at least one scan")
       ->check(CLI::Range(0.05, 3600.0))
       ->check(finite)
       ->capture_default_str();
@@ -153,16 +185,20 @@ void addOptions(CLI::App* app, Options* options) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "Simulates a turreted range-image ladar (180 x 32 beams, 90 x 20 degrees, 20 Hz) on a "
-      "vehicle "
-      "that\ndrives through a scene, and records a bag: organised clouds with per-point times, "
-      "true classes\n(1 surface, 2 scatter, 3 linear, 0 unknown) and colours on /points, and "
-      "odom -> base_link -> ladar on /tf.");
+      "Simulates a ladar on a vehicle that drives through a scene, and records a bag: organised "
+      "clouds with\nper-point times, true classes (1 surface, 2 scatter, 3 linear, 0 unknown), "
+      "finer labels\n(config/classes/simulated_three.yaml names them) and colours on /points, and "
+      "odom -> base_link -> ladar\non /tf.");
   app.name("simulate_ladar");
   app.footer("Example: rosrun ladar_perception simulate_ladar --scene forest --out forest.bag");
   Options options;
   addOptions(&app, &options);
   CLI11_PARSE(app, argc, argv);
+  if (!options.look.empty() && options.sensor != "pushbroom") {
+    std::cerr << "simulate_ladar: --look " << options.look << " is for --sensor pushbroom, not "
+              << options.sensor << "\n";
+    return 1;
+  }
   try {
     simulate(options);
   } catch (const std::exception& error) {

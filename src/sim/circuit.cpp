@@ -60,28 +60,51 @@ Eigen::Vector2d Circuit::beside(double s_m, double left_m) const {
 }
 
 void Circuit::fillDistances() {
-  std::vector<Eigen::Vector2d> points;
-  for (double s = 0.0; s < length_m_; s += 1.0) points.push_back(position(s));
-  for (const Eigen::Vector2d& p : points) {
+  for (double s = 0.0; s < length_m_; s += 1.0) {
+    points_.push_back(position(s));
+    headings_rad_.push_back(heading(s));
+  }
+  for (const Eigen::Vector2d& p : points_) {
     half_size_m_ = std::max(half_size_m_, p.cwiseAbs().maxCoeff() + kTableRimM);
   }
   side_ = static_cast<int>(std::ceil(2.0 * half_size_m_ / kTableStepM)) + 1;
   distances_m_.assign(static_cast<std::size_t>(side_) * side_, static_cast<float>(kTableRimM));
+  nearest_.assign(distances_m_.size(), 0);
   const auto reach = static_cast<int>(kTableRimM / kTableStepM);
   // Points 1 m apart are exact to 0.5^2 / (2 d) at the distance d.
-  for (const Eigen::Vector2d& p : points) {
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const Eigen::Vector2d& p = points_[i];
     const auto cx = static_cast<int>((p.x() + half_size_m_) / kTableStepM);
     const auto cy = static_cast<int>((p.y() + half_size_m_) / kTableStepM);
     for (int iy = std::max(cy - reach, 0); iy <= std::min(cy + reach, side_ - 1); ++iy) {
       for (int ix = std::max(cx - reach, 0); ix <= std::min(cx + reach, side_ - 1); ++ix) {
         const double dx = ix * kTableStepM - half_size_m_ - p.x();
         const double dy = iy * kTableStepM - half_size_m_ - p.y();
-        float& distance = distances_m_[static_cast<std::size_t>(iy) * side_ + ix];
+        const std::size_t node = static_cast<std::size_t>(iy) * side_ + ix;
         const auto squared = static_cast<float>(dx * dx + dy * dy);
-        if (squared < distance * distance) distance = std::sqrt(squared);
+        if (squared >= distances_m_[node] * distances_m_[node]) continue;
+        distances_m_[node] = std::sqrt(squared);
+        nearest_[node] = static_cast<uint16_t>(i);
       }
     }
   }
+}
+
+TrackPlace Circuit::placeOf(double x_m, double y_m) const {
+  const auto cell = [&](double v) {
+    const auto i = static_cast<int>(std::lround((v + half_size_m_) / kTableStepM));
+    return static_cast<std::size_t>(std::clamp(i, 0, side_ - 1));
+  };
+  const uint16_t nearest = nearest_[cell(y_m) * side_ + cell(x_m)];
+  const double h = headings_rad_[nearest];
+  const Eigen::Vector2d offset = Eigen::Vector2d(x_m, y_m) - points_[nearest];
+  const double along = offset.x() * std::cos(h) + offset.y() * std::sin(h);
+  const double left = -offset.x() * std::sin(h) + offset.y() * std::cos(h);
+  // The points stand one metre apart. What is along their tangent far out is less on the track in
+  // a bend, or more on its inner side.
+  const double next = headings_rad_[(nearest + 1) % points_.size()];
+  const double bend = std::remainder(next - h, kTwoPi);
+  return {nearest + along / std::max(1.0 - bend * left, 0.2), left};
 }
 
 double Circuit::distanceTo(double x_m, double y_m) const {

@@ -18,12 +18,22 @@ void addSpan(const Eigen::Vector3d& from, const Eigen::Vector3d& to, FenceKind k
   };
   if (kind == FenceKind::kWire) {
     for (const double z : {0.35, 0.65, 0.95, 1.2}) {
-      builder->hangWire(raised(from, z), raised(to, z), 0.02, 0.004);
+      builder->hangWire(raised(from, z), raised(to, z), 0.02, 0.004, Material::kFenceWire);
+    }
+    return;
+  }
+  if (kind == FenceKind::kBoards) {
+    const Eigen::Vector3d across = to - from;
+    const double yaw = std::atan2(across.y(), across.x());
+    for (double u = 0.03; u < 1.0; u += 0.05) {
+      const Eigen::Vector3d p = raised(from + u * across, 0.62);
+      builder->fixed().push_back(makeBox(p, {0.1, 0.02, 1.1}, yaw, Material::kPlank));
     }
     return;
   }
   for (const double z : {0.5, 1.0}) {
-    builder->fixed().push_back(makeCapsule(raised(from, z), raised(to, z), 0.045, Material::kPost));
+    builder->fixed().push_back(
+        makeCapsule(raised(from, z), raised(to, z), 0.045, Material::kFenceRail));
   }
 }
 
@@ -39,7 +49,7 @@ void addFenceAlongTrack(double from_m, double to_m, double left_m, FenceKind kin
     const double radius = kind == FenceKind::kWire ? 0.05 : 0.075;
     builder->fixed().push_back(makeCylinder(foot - 0.4 * Eigen::Vector3d::UnitZ(),
                                             foot + height * Eigen::Vector3d::UnitZ(), radius,
-                                            Material::kPost));
+                                            Material::kFencePost));
     builder->claim(p, 0.8 * kFenceSpanM);
     if (s > from_m) addSpan(last, foot, kind, builder);
     last = foot;

@@ -8,6 +8,7 @@ namespace ladar_perception::sim {
 namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
+constexpr double kTwigM = 0.025;
 
 }  // namespace
 
@@ -29,7 +30,9 @@ std::vector<Eigen::Vector3d> growLimb(const Limb& limb, Random* random,
     const Eigen::Vector3d next = joints.back() + direction * (limb.length_m / limb.pieces);
     const double u = (i + 0.5) / limb.pieces;
     const double radius = (1.0 - u) * limb.radius_from_m + u * limb.radius_to_m;
-    parts->push_back(makeCapsule(joints.back(), next, radius, limb.material));
+    const bool is_twig = limb.material == Material::kBranch && radius < kTwigM;
+    parts->push_back(
+        makeCapsule(joints.back(), next, radius, is_twig ? Material::kTwig : limb.material));
     joints.push_back(next);
     direction += limb.wander * randomDirection(random) + limb.lift * Eigen::Vector3d::UnitZ();
     direction.normalize();

@@ -9,7 +9,8 @@
 
 namespace ladar_perception::sim {
 
-/// Chain of capsules that wanders and tapers.
+/// Chain of capsules that wanders and tapers. Branches become twigs below a radius of 2.5 cm: who
+/// labels a crown by hand takes them for a part of the foliage.
 struct Limb {
   Eigen::Vector3d from;
   Eigen::Vector3d direction;  ///< unit length

@@ -41,6 +41,7 @@ CloudLayout scanLayout(const LadarConfig& config) {
   layout.append("time", ScalarType::kFloat32);
   layout.append("truth", ScalarType::kUint8);
   layout.append("rgb", ScalarType::kFloat32);
+  layout.append("label", ScalarType::kUint16);
   layout.pack();
   return layout;
 }
@@ -59,6 +60,7 @@ std::vector<uint8_t> encodeScan(const Scan& scan, const LadarConfig& config) {
     writer.put(beam.time_s);
     writer.put(static_cast<uint32_t>(beam.truth));
     writer.put(beam.rgb);
+    writer.put(static_cast<uint32_t>(beam.label));
   }
   return data;
 }

@@ -23,7 +23,7 @@ double halfSize(const Circuit& circuit) {
 HeightField makeGround(const Circuit& circuit, const GroundStyle& style, uint64_t seed) {
   const auto height = [&](double x, double y) {
     const double away = std::clamp((circuit.distanceTo(x, y) - 1.5) / 4.0, 0.0, 1.0);
-    double sum = 0.0;
+    double sum = style.profile ? style.profile(circuit.placeOf(x, y)) : 0.0;
     uint64_t layer = 0;
     for (const Bumps& bumps : style.layers) {
       const double share = bumps.on_track + (1.0 - bumps.on_track) * away;
@@ -71,7 +71,7 @@ void SceneBuilder::claim(const Eigen::Vector2d& p_world, double radius_m) {
 void SceneBuilder::scatter(const Scattering& scattering) {
   std::vector<double> reach;
   for (const uint32_t model : scattering.models) {
-    reach.push_back(scene_.reachBelow(model, kClearHeightM / scattering.min_scale));
+    reach.push_back(scene_.reachBelow(model, clear_height_m_ / scattering.min_scale));
   }
   const uint64_t patches = streamSeed(seed_, {9, random_.bits()});
   const auto models = static_cast<int>(scattering.models.size());
@@ -98,14 +98,14 @@ void SceneBuilder::scatter(const Scattering& scattering) {
 }
 
 void SceneBuilder::hangWire(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double sag_m,
-                            double radius_m) {
+                            double radius_m, Material material) {
   const auto pieces = std::max(2, static_cast<int>((to - from).norm() / 1.5));
   Eigen::Vector3d last = from;
   for (int i = 1; i <= pieces; ++i) {
     const double u = static_cast<double>(i) / pieces;
     Eigen::Vector3d next = from + u * (to - from);
     next.z() -= 4.0 * sag_m * u * (1.0 - u);
-    fixed_.push_back(makeCapsule(last, next, radius_m, Material::kWire));
+    fixed_.push_back(makeCapsule(last, next, radius_m, material));
     last = next;
   }
 }

@@ -22,6 +22,8 @@ struct GroundStyle {
   std::vector<Bumps> layers;
   /// From the distance to the track and a slow noise in -1..1.
   std::function<Material(double track_m, double noise)> material;
+  /// Height added to the layers, in the coordinates of the track; may be empty.
+  std::function<double(const TrackPlace& place)> profile = nullptr;
 };
 
 /// How models are scattered over the world.
@@ -50,13 +52,15 @@ class SceneBuilder {
     return scene_.addModel(std::move(primitives));
   }
   void place(uint32_t model, const Eigen::Vector2d& p_world, double yaw_rad, double scale = 1.0);
+  /// Where the ground is steep, parts that are high above a foot are low above the track.
+  void keepClear(double height_m) { clear_height_m_ = height_m; }
   /// Places models where nothing is claimed and the track stays clear.
   void scatter(const Scattering& scattering);
   /// Shapes in world coordinates, for things that follow the ground: fences, wires, kerbs.
   std::vector<Primitive>& fixed() { return fixed_; }
   /// A capsule chain that sags like a wire between two points.
   void hangWire(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double sag_m,
-                double radius_m);
+                double radius_m, Material material = Material::kWire);
 
   bool isFree(const Eigen::Vector2d& p_world, double radius_m) const;
   void claim(const Eigen::Vector2d& p_world, double radius_m);
@@ -72,6 +76,7 @@ class SceneBuilder {
   Random random_;
   Circuit circuit_;
   double half_size_m_;
+  double clear_height_m_ = kClearHeightM;
   Scene scene_;
   std::vector<Primitive> fixed_;
   std::vector<Claim> claims_;
@@ -89,5 +94,7 @@ World makeFlatGround(uint64_t seed);
 World makeForest(uint64_t seed);
 World makeTallGrass(uint64_t seed);
 World makeCampus(uint64_t seed);
+World makeStreet(uint64_t seed);
+World makeScrubland(uint64_t seed);
 
 }  // namespace ladar_perception::sim

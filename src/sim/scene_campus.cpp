@@ -27,8 +27,8 @@ void addEntrances(const Site& site, SceneBuilder* builder) {
     const double reach = 0.5 * (along_x ? site.style.length_m : site.style.width_m);
     const double outward_rad = site.yaw_rad + 0.5 * kPi * side;
     const Eigen::Vector2d door =
-        site.p_world +
-        Eigen::Rotation2D<double>(outward_rad) * Eigen::Vector2d(reach + 0.05, -doorOffset(length));
+        site.p_world + Eigen::Rotation2D<double>(outward_rad) *
+                           Eigen::Vector2d(reach + 0.05, -doorOffset(length, site.style.bay_m));
     builder->place(stairs, door, outward_rad + kPi);
     builder->claim(door, 2.5);
   }
@@ -60,7 +60,7 @@ void addKerbs(SceneBuilder* builder) {
       if (std::fmod(s, 40.0) < 5.0) continue;  // driveways
       const Eigen::Vector2d p = builder->circuit().beside(s, left);
       builder->fixed().push_back(makeBox(builder->at(p, -0.07), {1.06, 0.16, 0.42},
-                                         builder->circuit().heading(s), Material::kConcrete));
+                                         builder->circuit().heading(s), Material::kKerb));
     }
   }
 }
@@ -85,7 +85,9 @@ void addStreetFurniture(SceneBuilder* builder) {
 }
 
 void addParkedCars(SceneBuilder* builder) {
-  const auto cars = addVariants(4, builder, [](Random* random) { return makeCar(random); });
+  const auto cars = addVariants(4, builder, [](Random* random) {
+    return makeCar(static_cast<CarShape>(random->below(kCarShapes)), random);
+  });
   const double length = builder->circuit().length();
   for (double s = 70.0; s < length - 20.0; s += 6.2) {
     if (!builder->random().chance(0.5)) continue;

@@ -19,7 +19,7 @@ void addWheel(const Vector3d& hub, double radius_m, Model* parts) {
   };
   for (int i = 0; i < kPieces; ++i) {
     parts->push_back(makeCapsule(rim(i), rim(i + 1), 0.018, Material::kBicycle));
-    if (i % 3 == 0) parts->push_back(makeCapsule(hub, rim(i), 0.003, Material::kSteel));
+    if (i % 3 == 0) parts->push_back(makeCapsule(hub, rim(i), 0.003, Material::kTube));
   }
 }
 
@@ -60,7 +60,7 @@ Model makeBicycleStand(int places) {
     const std::array<Vector3d, 4> bend = {Vector3d(-0.4, y, -0.2), Vector3d(-0.4, y, 0.75),
                                           Vector3d(0.4, y, 0.75), Vector3d(0.4, y, -0.2)};
     for (int k = 0; k < 3; ++k) {
-      parts.push_back(makeCapsule(bend[k], bend[k + 1], 0.025, Material::kSteel));
+      parts.push_back(makeCapsule(bend[k], bend[k + 1], 0.025, Material::kTube));
     }
   }
   return parts;
@@ -76,9 +76,9 @@ Model makeBench() {
   }
   for (const double y : {-0.7, 0.7}) {
     for (const double x : {-0.25, 0.2}) {
-      parts.push_back(makeCapsule({x, y, -0.1}, {x, y, 0.43}, 0.025, Material::kSteel));
+      parts.push_back(makeCapsule({x, y, -0.1}, {x, y, 0.43}, 0.025, Material::kTube));
     }
-    parts.push_back(makeCapsule({-0.25, y, 0.4}, {-0.29, y, 0.84}, 0.02, Material::kSteel));
+    parts.push_back(makeCapsule({-0.25, y, 0.4}, {-0.29, y, 0.84}, 0.02, Material::kTube));
   }
   return parts;
 }
@@ -106,36 +106,60 @@ Model makeUtilityPole(double height_m) {
   return parts;
 }
 
-Model makeSignPost() {
-  return {makeCapsule({0.0, 0.0, -0.3}, {0.0, 0.0, 2.2}, 0.03, Material::kSteel),
-          makeBox({0.04, 0.0, 1.95}, {0.01, 0.55, 0.55}, 0.0, Material::kPlaster)};
-}
-
-Model makeCar(Random* random) {
+Model makeStreetPole(const UtilityPoleStyle& style) {
   Model parts;
-  const double length = random->uniform(3.9, 4.7);
-  const double front = 0.5 * length;
-  const auto box = [&](double x, double z, double lx, double ly, double lz, Material material,
-                       double pitch = 0.0) {
-    parts.push_back(makeBox({x, 0.0, z}, {lx, ly, lz}, 0.0, material, pitch));
-  };
-  box(0.0, 0.55, length, 1.72, 0.42, Material::kCarPaint);
-  box(0.0, 0.42, length - 0.3, 1.76, 0.36, Material::kCarPaint);
-  box(0.62 * front, 0.76, 0.7 * front, 1.6, 0.12, Material::kCarPaint, 0.08);
-  box(-0.25, 0.98, 2.1, 1.50, 0.50, Material::kGlass);
-  box(-0.30, 1.38, 1.6, 1.42, 0.12, Material::kCarPaint);
-  box(0.80, 1.08, 0.78, 1.46, 0.05, Material::kGlass, 0.72);
-  box(-1.28, 1.08, 0.62, 1.46, 0.05, Material::kGlass, -0.95);
-  for (const double x : {-0.62 * front, 0.62 * front}) {
-    for (const double y : {-0.89, 0.69}) {
-      parts.push_back(makeCylinder({x, y, 0.31}, {x, y + 0.2, 0.31}, 0.31, Material::kRubber));
+  const double top = style.height_m + 0.4;
+  const double thin = 0.7 * style.radius_m;
+  constexpr int kPieces = 4;
+  for (int i = 0; i < kPieces; ++i) {
+    const double low = i == 0 ? -0.8 : top * i / kPieces;
+    const double radius = style.radius_m + (thin - style.radius_m) * (i + 0.5) / kPieces;
+    parts.push_back(
+        makeCylinder({0, 0, low}, {0, 0, top * (i + 1) / kPieces}, radius, Material::kPost));
+  }
+  for (int arm = 0; arm < style.cross_arms; ++arm) {
+    const double z = style.height_m - 0.9 * arm;
+    parts.push_back(makeBox({thin + 0.05, 0.0, z}, {0.11, 2.2, 0.13}, 0.0, Material::kPost));
+    for (const double y : {-0.9, -0.3, 0.3, 0.9}) {
+      parts.push_back(
+          makeCapsule({thin + 0.05, y, z}, {thin + 0.05, y, z + 0.2}, 0.04, Material::kPost));
+    }
+    for (const double y : {-0.6, 0.6}) {
+      parts.push_back(makeCapsule({0.0, 0.0, z - 0.6}, {thin, y, z}, 0.02, Material::kSteel));
     }
   }
-  // Pillars carry the roof; ladars see them as part of the body.
-  for (const double y : {-0.72, 0.72}) {
-    parts.push_back(makeBox({-0.25, y, 1.1}, {0.12, 0.08, 0.6}, 0.0, Material::kCarPaint));
+  if (style.transformer) {
+    const double x = -thin - 0.3;
+    const double z = style.height_m - 2.2;
+    parts.push_back(makeCylinder({x, 0, z}, {x, 0, z + 1.0}, 0.25, Material::kMetalBox));
+  }
+  if (style.lamp_arm_m > 0.0) {
+    const Vector3d root(0.0, 0.0, 7.0);
+    const Vector3d head(0.0, style.lamp_arm_m, 7.7);
+    parts.push_back(makeCapsule(root, head, 0.04, Material::kSteel));
+    parts.push_back(makeBox(head, {0.22, 0.55, 0.14}, 0.0, Material::kMetalBox));
   }
   return parts;
+}
+
+Model makeHydrant() {
+  return {makeCylinder({0.0, 0.0, -0.1}, {0.0, 0.0, 0.62}, 0.12, Material::kMetalBox),
+          makeSphere({0.0, 0.0, 0.62}, 0.12, Material::kMetalBox),
+          makeCapsule({0.0, -0.18, 0.45}, {0.0, 0.18, 0.45}, 0.06, Material::kMetalBox)};
+}
+
+Model makeLitterBin() {
+  return {makeCylinder({0.0, 0.0, -0.1}, {0.0, 0.0, 0.95}, 0.28, Material::kMetalBox)};
+}
+
+Model makeParkingMeter() {
+  return {makeCapsule({0.0, 0.0, -0.2}, {0.0, 0.0, 1.1}, 0.035, Material::kSteel),
+          makeBox({0.0, 0.0, 1.25}, {0.12, 0.16, 0.3}, 0.0, Material::kMetalBox)};
+}
+
+Model makeSignPost() {
+  return {makeCapsule({0.0, 0.0, -0.3}, {0.0, 0.0, 2.2}, 0.03, Material::kSteel),
+          makeBox({0.04, 0.0, 1.95}, {0.01, 0.55, 0.55}, 0.0, Material::kBoard)};
 }
 
 Model makeStairs(double width_m, double rise_m) {
@@ -145,17 +169,17 @@ Model makeStairs(double width_m, double rise_m) {
     // Each step reaches down into the ground, so that slopes leave no gap.
     const double top = rise_m * (i + 1) / steps;
     parts.push_back(makeBox({0.3 * (i - steps) + 0.15, 0.0, 0.5 * (top - 0.5)},
-                            {0.3, width_m, top + 0.5}, 0.0, Material::kConcrete));
+                            {0.3, width_m, top + 0.5}, 0.0, Material::kStep));
   }
   const double foot = -0.3 * steps;
   for (const double y : {-0.5 * width_m + 0.05, 0.5 * width_m - 0.05}) {
     const Vector3d low(foot, y, 0.95);
     const Vector3d high(0.0, y, rise_m + 0.95);
-    parts.push_back(makeCapsule(low, high, 0.022, Material::kSteel));
+    parts.push_back(makeCapsule(low, high, 0.022, Material::kTube));
     parts.push_back(makeCapsule(low - Vector3d(0, 0, 0.45), high - Vector3d(0, 0, 0.45), 0.015,
-                                Material::kSteel));
-    parts.push_back(makeCapsule(low, low - Vector3d(0, 0, 1.1), 0.022, Material::kSteel));
-    parts.push_back(makeCapsule(high, high - Vector3d(0, 0, 0.95), 0.022, Material::kSteel));
+                                Material::kTube));
+    parts.push_back(makeCapsule(low, low - Vector3d(0, 0, 1.1), 0.022, Material::kTube));
+    parts.push_back(makeCapsule(high, high - Vector3d(0, 0, 0.95), 0.022, Material::kTube));
   }
   return parts;
 }

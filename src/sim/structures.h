@@ -17,11 +17,28 @@ Model makeBicycle(Random* random);
 Model makeBicycleStand(int places);
 Model makeBench();
 Model makeLampPost(double height_m);
-/// Pole with a cross-arm along y; wires hang from +-0.9 m at `height_m`.
+/// Pole with a cross-arm along y; wires hang from +-0.9 m at
+/// `height_m`.
 Model makeUtilityPole(double height_m);
+struct UtilityPoleStyle {
+  double height_m = 10.0;
+  double radius_m = 0.16;
+  int cross_arms = 1;
+  bool transformer = false;
+  double lamp_arm_m = 0.0;  ///< 0: none
+};
+
+/// Pole of a street, with arms along y, the lamp towards +y; wires hang at `height_m` + 0.15 from the topmost.
+Model makeStreetPole(const UtilityPoleStyle& style);
 Model makeSignPost();
-/// Body of rounded boxes, dark glass, four wheels.
-Model makeCar(Random* random);
+Model makeHydrant();
+Model makeLitterBin();
+Model makeParkingMeter();
+enum class CarShape { kSedan, kHatchback, kOffRoader, kVan, kPickUp };
+constexpr int kCarShapes = 5;
+
+/// Body lofted along its side view, windows that let light through, seats behind them.
+Model makeCar(CarShape shape, Random* random);
 
 /// Straight stairs that rise towards +x to `rise_m`, with a railing on both sides.
 Model makeStairs(double width_m, double rise_m);
@@ -32,13 +49,27 @@ struct BuildingStyle {
   int floors = 2;
   Material wall = Material::kBrick;
   double plinth_m = 0.6;  ///< ground floor above the ground
+  double floor_m = 3.2;
+  double bay_m = 3.0;  ///< about; bays fill a wall evenly
+  double window_width_m = 1.5;
+  double sill_m = 0.9;
+  double lintel_m = 2.4;
+  double recess_m = 0.22;
+  double ledge_m = 0.0;          ///< how far a course of stones stands out between floors
+  double pier_m = 0.0;           ///< how far piers between the bays stand out
+  double blank_share = 0.0;      ///< bays without a window
+  double oriel_share = 0.0;      ///< bays of the front whose windows stand out as a box
+  double gable_pitch_rad = 0.0;  ///< 0: flat roof with an edge that stands out
+  double porch_m = 0.0;          ///< depth of a roofed porch before the front, 0: none
+  uint64_t seed = 0;             ///< which bays are blank
 };
 
-/// Walls with recessed windows and doors on all sides, a flat roof, nothing inside.
+/// Walls with recessed windows and doors on all sides, a flat or pitched roof, nothing inside. The
+/// front faces +y.
 Model makeBuilding(const BuildingStyle& style);
 
 /// Where the door of a facade is, along it from its middle.
-double doorOffset(double facade_length_m);
+double doorOffset(double facade_length_m, double bay_m);
 
 /// Places a model beside the track, facing along it turned by `turn_rad`, and claims its ground.
 void placeBeside(uint32_t model, double s_m, double left_m, double turn_rad, double claim_m,
@@ -52,7 +83,7 @@ void addHedgeAlongTrack(double from_m, double to_m, double left_m, double height
 void addCableAlongTrack(double from_m, double to_m, double left_m, double height_m,
                         SceneBuilder* builder);
 
-enum class FenceKind { kWire, kRails };
+enum class FenceKind { kWire, kRails, kBoards };
 
 /// Fence from arc length `from_m` to `to_m`, `left_m` beside the track; claims its ground.
 void addFenceAlongTrack(double from_m, double to_m, double left_m, FenceKind kind,

@@ -122,7 +122,8 @@ Model makeSapling(double height_m, Random* random) {
             0.006,
             0.08,
             0.0,
-            5};
+            5,
+            Material::kBark};
   const std::vector<Eigen::Vector3d> joints = growLimb(stem, random, &parts);
   const int branches = 4 + random->below(5);
   for (int i = 0; i < branches; ++i) {
@@ -152,7 +153,7 @@ Model makeBush(double height_m, double radius_m, Random* random) {
               Material::kTwig};
     const std::vector<Eigen::Vector3d> joints = growLimb(stem, random, &parts);
     for (int k = 1; k <= stem.pieces; ++k) {
-      growClump(joints[k], 0.30 * radius_m + 0.08, 34, 0.03, Material::kLeaf, random, &parts);
+      growClump(joints[k], 0.30 * radius_m + 0.08, 34, 0.03, Material::kShrubLeaf, random, &parts);
     }
   }
   return parts;

@@ -13,6 +13,20 @@ using Model = std::vector<Primitive>;
 
 /// Trunk with taper, main branches from a quarter of the height, clumps of leaves at their ends.
 Model makeBroadleaf(double height_m, double trunk_radius_m, Material bark, Random* random);
+struct TreeStyle {
+  double height_m = 11.0;
+  double trunk_radius_m = 0.18;
+  double bare_m = 2.8;  ///< trunk without branches
+  double crown_radius_m = 3.5;
+  int branches = 12;
+  double leaves_per_m3 = 220.0;  ///< inside the clumps
+  double leaf_radius_m = 0.05;
+  Material bark = Material::kBark;
+  Material leaf = Material::kLeaf;
+};
+
+/// Tree with a bare trunk and a crown of clumps, as they stand along streets and in parks.
+Model makeCrownTree(const TreeStyle& style, Random* random);
 /// Straight trunk, whorls of drooping branches with needles along them, dead ones below.
 Model makeConifer(double height_m, double trunk_radius_m, Random* random);
 /// Young tree: a thin stem and a few leaves.

@@ -97,7 +97,8 @@ TEST_F(ClassifyBag, OutputIsTheInputWithLabels) {
     ASSERT_EQ(labeled.height, scan.height);
     for (const auto& field : scan.fields) {
       // A scan may have a colour of its own; it makes room for the class's.
-      const std::string kept = field.name == "rgb" ? "rgb_input" : field.name;
+      const bool is_renamed = field.name == "rgb" || field.name == "label";
+      const std::string kept = is_renamed ? field.name + "_input" : field.name;
       const auto* copy = findField(labeled, kept);
       ASSERT_NE(copy, nullptr) << kept << " is not in " << fieldsOf(labeled);
       ASSERT_EQ(copy->datatype, field.datatype) << kept;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -15,7 +16,7 @@ void expectOrganisedScan(const RecordedCloud& scan, std::size_t index,
   const sensor_msgs::PointCloud2& cloud = scan.cloud;
   ASSERT_EQ(cloud.width, 180u);
   ASSERT_EQ(cloud.height, 32u);
-  EXPECT_EQ(fieldsOf(cloud), "x:7 y:7 z:7 intensity:7 ring:4 time:7 truth:2 rgb:7");
+  EXPECT_EQ(fieldsOf(cloud), "x:7 y:7 z:7 intensity:7 ring:4 time:7 truth:2 rgb:7 label:4");
   EXPECT_EQ(cloud.header.frame_id, "ladar");
   EXPECT_FALSE(cloud.is_bigendian);
   EXPECT_NEAR(cloud.header.stamp.toSec(), 1000.0 + static_cast<double>(index) * kScanPeriod_s,
@@ -86,8 +87,74 @@ TEST_P(SimulateLadarScene, MakesABag) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, SimulateLadarScene,
-                         ::testing::Values("flat_ground", "forest", "tall_grass", "campus"),
+                         ::testing::Values("flat_ground", "forest", "tall_grass", "campus",
+                                           "street", "scrubland"),
                          [](const auto& scene) { return std::string(scene.param); });
+
+struct SensorCase {
+  const char* name;
+  uint32_t width;
+  uint32_t height;
+  double period_s;
+};
+
+class SimulateLadarSensor : public ::testing::TestWithParam<SensorCase> {};
+
+TEST_P(SimulateLadarSensor, WritesItsOwnCloudsAtItsHeight) {
+  const ScratchFolder folder;
+  const std::string path = folder.file("scene.bag");
+  expectSuccess(runProgram("simulate_ladar",
+                           {"--scene", "campus", "--sensor", GetParam().name, "--sensor-height",
+                            "1.45", "--duration", "0.8", "--speed", "8", "--out", path}));
+  const auto scans = readClouds(path, "/points");
+  ASSERT_EQ(scans.size(), static_cast<std::size_t>(0.8 / GetParam().period_s + 1e-6));
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    const sensor_msgs::PointCloud2& cloud = scans[i].cloud;
+    EXPECT_EQ(cloud.width, GetParam().width);
+    EXPECT_EQ(cloud.height, GetParam().height);
+    const double due_s = 1000.0 + static_cast<double>(i) * GetParam().period_s;
+    EXPECT_NEAR(cloud.header.stamp.toSec(), due_s, 1e-6);
+    const auto time_s = valuesOf<float>(cloud, "time");
+    EXPECT_LT(*std::max_element(time_s.begin(), time_s.end()), GetParam().period_s);
+  }
+  const Poses poses = readTransforms(path, "/tf");
+  for (const auto& [stamp, pose] : poses.at({"base_link", "ladar"})) {
+    ASSERT_NEAR(pose.translation().z(), 1.45, 1e-9) << stamp;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sensors, SimulateLadarSensor,
+                         ::testing::Values(SensorCase{"xuv", 180, 32, 0.05},
+                                           SensorCase{"vlp16", 1800, 16, 0.1},
+                                           SensorCase{"hdl64", 1024, 64, 0.1},
+                                           SensorCase{"os64", 1024, 64, 0.1},
+                                           SensorCase{"pushbroom", 5, 361, 1.0 / 7.5}),
+                         [](const auto& sensor) { return std::string(sensor.param.name); });
+
+TEST(SimulateLadar, PushbroomLooksWhereItIsTold) {
+  const ScratchFolder folder;
+  const auto sides = [&](const std::string& look) {
+    const std::string path = folder.file(look + ".bag");
+    expectSuccess(runProgram("simulate_ladar", {"--scene", "campus", "--sensor", "pushbroom",
+                                                "--look", look, "--duration", "1", "--out", path}));
+    std::array<std::size_t, 2> counts{};  // left, right
+    for (const auto& scan : readClouds(path, "/points")) {
+      for (const Eigen::Vector3d& p : positionsOf(scan.cloud)) {
+        if (std::abs(p.y()) > 0.01) ++counts[p.y() > 0.0 ? 0 : 1];
+      }
+    }
+    return counts;
+  };
+  const auto left = sides("left");
+  const auto right = sides("right");
+  const auto both = sides("both");
+  EXPECT_GT(left[0], 500u);
+  EXPECT_EQ(left[1], 0u);
+  EXPECT_EQ(right[0], 0u);
+  EXPECT_GT(right[1], 500u);
+  EXPECT_NEAR(static_cast<double>(both[0]), static_cast<double>(left[0]), 0.1 * left[0]);
+  EXPECT_NEAR(static_cast<double>(both[1]), static_cast<double>(right[1]), 0.1 * right[1]);
+}
 
 TEST(SimulateLadar, SameArgumentsSameBytes) {
   const ScratchFolder folder;
@@ -133,6 +200,11 @@ TEST(SimulateLadar, RefusesBadArguments) {
     return runProgram("simulate_ladar", arguments);
   };
   expectFailure(simulate({"--scene", "moon"}), {"--scene", "moon", "forest"});
+  expectFailure(simulate({"--sensor", "sonar"}), {"--sensor", "sonar", "vlp16"});
+  expectFailure(simulate({"--sensor-height", "0.1"}), {"--sensor-height", "0.1"});
+  expectFailure(simulate({"--sensor-height", "nan"}), {"--sensor-height", "nan"});
+  expectFailure(simulate({"--look", "up"}), {"--look", "up", "both"});
+  expectFailure(simulate({"--look", "left"}), {"--look", "pushbroom"});
   expectFailure(simulate({"--duration", "0"}), {"--duration", "0"});
   expectFailure(simulate({"--duration", "-3"}), {"--duration", "-3"});
   expectFailure(simulate({"--duration", "long"}), {"--duration", "long"});
@@ -159,8 +231,10 @@ TEST(SimulateLadar, RefusesAPathItCannotWrite) {
 }
 
 TEST(SimulateLadar, Helps) {
-  expectHelp("simulate_ladar", {"--scene", "flat_ground", "forest", "tall_grass", "campus",
-                                "--duration", "--speed", "--seed", "--out"});
+  expectHelp("simulate_ladar",
+             {"--scene", "flat_ground", "forest", "tall_grass", "campus", "street", "scrubland",
+              "--sensor", "vlp16", "pushbroom", "--sensor-height", "--look", "--duration",
+              "--speed", "--seed", "--out"});
 }
 
 }  // namespace

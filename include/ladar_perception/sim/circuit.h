@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 namespace ladar_perception::sim {
@@ -18,6 +19,12 @@ struct CircuitShape {
   double wave3_phase_rad = 0.0;
 };
 
+/// Place of a point in the coordinates of a track.
+struct TrackPlace {
+  double s_m = 0.0;     ///< arc length of the track's nearest point
+  double left_m = 0.0;  ///< distance to the left of it; negative: to the right
+};
+
 /// Track, driven counter-clockwise, parametrised by its arc length.
 class Circuit {
  public:
@@ -30,6 +37,9 @@ class Circuit {
   double heading(double s_m) const;
   /// Point `left_m` to the left of the track.
   Eigen::Vector2d beside(double s_m, double left_m) const;
+  /// The inverse of beside(), within 0.1 m up to 60 m from the track; beyond, and where the nearest
+  /// point jumps, s_m means little.
+  TrackPlace placeOf(double x_m, double y_m) const;
   /// Distance from the track's centre line, within 0.1 m from 2 m on; never more than 60 m.
   double distanceTo(double x_m, double y_m) const;
 
@@ -45,6 +55,9 @@ class Circuit {
   int side_ = 0;                   // nodes along a side of the distance table
   double half_size_m_ = 0.0;
   std::vector<float> distances_m_;
+  std::vector<uint16_t> nearest_;        // of points_, for each node of the table
+  std::vector<Eigen::Vector2d> points_;  // one metre apart
+  std::vector<double> headings_rad_;     // at points_
 };
 
 }  // namespace ladar_perception::sim

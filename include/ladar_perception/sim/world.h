@@ -20,7 +20,7 @@ struct World {
   Scene scene;
 };
 
-/// "flat_ground", "forest", "tall_grass", "campus".
+/// "flat_ground", "forest", "tall_grass", "campus", "street", "scrubland".
 const std::vector<std::string>& sceneNames();
 
 /// Builds a scene; the same name and seed give the same world. Throws std::invalid_argument for a
