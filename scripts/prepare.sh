@@ -14,7 +14,7 @@ run_packages=(
   libnodeletlib-tools python3-roslaunch python3-rosbag librosbag-dev python3-rospy rosout rosbash
   rospack-tools python3-rosservice)
 view_packages=(rviz xvfb libgl1-mesa-dri imagemagick)
-test_packages=(libgtest-dev librostest-dev python3-rostest catkin-lint)
+test_packages=(libgtest-dev libnanoflann-dev librostest-dev python3-rostest catkin-lint)
 bench_packages=(libbenchmark-dev liboctomap-dev libnanoflann-dev python3-matplotlib)
 
 # The same for the demo and the tests, so that neither builds again what the other has built.
