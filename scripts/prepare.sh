@@ -15,7 +15,7 @@ run_packages=(
   rospack-tools python3-rosservice)
 view_packages=(rviz xvfb libgl1-mesa-dri imagemagick)
 test_packages=(libgtest-dev libnanoflann-dev librostest-dev python3-rostest catkin-lint)
-bench_packages=(libbenchmark-dev liboctomap-dev libnanoflann-dev python3-matplotlib)
+bench_packages=(libbenchmark-dev libcgal-dev liboctomap-dev libnanoflann-dev python3-matplotlib)
 
 # The same for the demo and the tests, so that neither builds again what the other has built.
 build_options=(-DCMAKE_BUILD_TYPE=Release -DLADAR_WARNINGS_AS_ERRORS=ON)
