@@ -11,31 +11,32 @@ REGULARIZATIONS = ["none", "mean of 12 neighbours", "mean over a sphere", "graph
 
 HEAD = """# Labels beside CGAL's
 
-Written by `bench/compare_classifiers`; change `bench/comparison_report.py` instead. CGAL 5.5's package
-Classification, a random forest (ETH Zurich's) on its own multi-scale features, against
+Written by `bench/compare_classifiers`; change `bench/comparison_report.py` instead. CGAL 5.5's
+package Classification, a random forest (ETH Zurich's) on its own multi-scale features, against
 `TerrainPipeline`, on tiles of the Oakland 3-D set: trained on part3_am and part3_an, tested on
-part2_ac and part2_ah, {points:,} points. Every labelled point of a class counts, `unknown` as wrong; recall
-and F1 are means over the classes.
+part2_ac and part2_ah, {points:,} points. Every labelled point of a class counts, `unknown` as
+wrong; recall and F1 are means over the classes.
 
 Times are ns of CPU time a point, medians of {rounds} rounds in which all took turns, one thread each
-(CGAL's `Sequential_tag`), release builds, vector level {level}. They hold all that is done with a new
-cloud: ours from its bytes to labels in an empty map that holds the tile; CGAL's from a vector of points,
-its search trees, grids and features first, then the forest and what regularizes it. Training, reading
-files and freeing memory are left out.
+(CGAL's `Sequential_tag`), release builds, vector level {level}. They hold all that is done with a
+new cloud: ours from its bytes to labels in an empty map that holds the tile; CGAL's from a vector
+of points, its search trees, grids and features first, then the forest and what regularizes it.
+Training, reading files and freeing memory are left out.
 
-CGAL's best settings are the best by mean recall *on the test tiles*, out of the {trials} trials below: no one
-who uses it could choose better. *Manual* is what its example does: the smallest scale from the spacing of
-the points, 5 scales, 25 trees of depth 20, all training points, graph cut.
+*Manual* is what CGAL's own example does: the smallest scale from the spacing of the points, 5
+scales, 25 trees of depth 20, all training points, graph cut. *Best* are the settings with the best
+mean recall *on the test tiles*, out of the {trials} trials below: no one who uses it could choose
+better.
 """
 
 TRIALS = """
 ## Settings of CGAL that were tried
 
 Mean recall. `auto` takes the smallest scale from the spacing of the points. Forests are
-trees/depth/training points a class; every forest was tried without regularization, the best of them with
-the three kinds: the mean of the posteriors over the 12 nearest points or over a sphere of three voxels,
-and a graph cut (12 neighbours, strength 0.2). Times are of one run: of the features, and of the row's best
-without regularization and of its best, features included.
+trees/depth/training points a class; every forest was tried without regularization, the best of
+them with the three kinds: the mean of the posteriors over the 12 nearest points or over a sphere
+of three voxels, and a graph cut (12 neighbours, strength 0.2). Times are of one run: of the
+features, and of the row's best without regularization and of its best, features included.
 """
 
 
@@ -71,7 +72,8 @@ def comparison_part(task, classes, rows):
     ours = next(row for row in rows if row["name"] == "ours")
     best = next(row for row in rows if row["name"] == "CGAL, best settings" and row["chosen"])
     manual = next(row for row in rows if row["name"] == "CGAL, as in its manual")
-    heads = ["", "mean recall", "mean F1", *classes, "features", "classification", "ns", "ours faster by"]
+    heads = ["", "mean recall", "mean F1", *classes, "features", "classification", "ns",
+             "ours faster by"]
     cells = []
     for row in rows:
         name = "**ours**"
@@ -99,7 +101,8 @@ def comparison_part(task, classes, rows):
         f"{share(best['score']['mean_recall'])}, ours {share(ours['score']['mean_recall'])}, at "
         f"{total_ns(best) / total_ns(ours):.0f} times our time. With that forest the best "
         f"regularization ({regularized['settings']['regularization']}) changes its mean recall by "
-        f"{gain:+.3f} and its time by a factor of {total_ns(regularized) / total_ns(none):.1f}.", ""])
+        f"{gain:+.3f} and its time by a factor of "
+        f"{total_ns(regularized) / total_ns(none):.1f}.", ""])
 
 
 def trials_part(task, trials):
