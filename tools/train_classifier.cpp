@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Learns a classifier's mixtures from labelled clouds and bags.
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <memory>
 
 #include "labelled_source.h"
+#include "ladar_perception/learn/calibrator.h"
 #include "ladar_perception/learn/sample_collector.h"
 #include "ladar_perception/learn/trainer.h"
 #include "report_folder.h"
@@ -93,26 +95,106 @@ uint64_t pointsOf(const SampleCollector& collector) {
   return points;
 }
 
+/// A model is calibrated on places it was not learned from: in each of these folds by one learned
+/// from the other.
+constexpr std::size_t kFolds = 2;
+constexpr double kStripe_m = 20.0;
+
+/// Truth of the points of a fold, 0 for the others. A file is in one fold, but a single one is cut
+/// into stripes.
+std::vector<double> truthOfFold(const TerrainPipeline& pipeline, const std::vector<double>& truth,
+                                std::size_t fold, std::size_t file, std::size_t files) {
+  if (files > 1) return file % kFolds == fold ? truth : std::vector<double>(truth.size(), 0.0);
+  const std::vector<VoxelIndex> voxels = voxelsBySlot(pipeline.map());
+  std::vector<double> masked(truth.size(), 0.0);
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const CellId cell = pipeline.pointCells()[i];
+    if (cell == kNoCell) continue;
+    const double x_m = voxels[pipeline.map().slotOf(cell)].x * pipeline.config().voxel_size_m;
+    const auto stripe = static_cast<int64_t>(std::floor(x_m / kStripe_m));
+    if (static_cast<std::size_t>(stripe & 1) == fold) masked[i] = truth[i];
+  }
+  return masked;
+}
+
+std::size_t fileCount(const LabelledSource& source) {
+  std::size_t files = 0;
+  for (const LabelledInput& input : source.inputs()) files += input.files.size();
+  return files;
+}
+
+/// What is learned from: everything, and each fold alone.
+struct Collected {
+  Collected(const ClassifierModel& frame, const Options& options)
+      : all(frame.classes.size(), frame.features.size(), options.samples, options.seed),
+        folds(kFolds, all) {}
+  SampleCollector all;
+  std::vector<SampleCollector> folds;
+};
+
 void collect(const LabelledSource& source, const Options& options, const TerrainNodeConfig& config,
-             const ClassifierModel& frame, SampleCollector* collector) {
+             const ClassifierModel& frame, Collected* collected) {
   const std::vector<Pass> wanted = parsePasses(options.passes);
+  const std::size_t files = fileCount(source);
+  std::size_t number = 0;
   for (const LabelledInput& input : source.inputs()) {
-    const uint64_t before = pointsOf(*collector);
-    collector->beginInput();
+    const uint64_t before = pointsOf(collected->all);
+    collected->all.beginInput();
+    for (SampleCollector& fold : collected->folds) fold.beginInput();
     for (const LabelledFile& file : input.files) {
-      collector->beginFile();
+      collected->all.beginFile();
+      for (SampleCollector& fold : collected->folds) fold.beginFile();
       for (const Pass pass : passesOf(file, wanted)) {
         source.forEachLabelledScan(
             file, pass, config, frame,
             [&](const TerrainPipeline& pipeline, const std::vector<double>& truth) {
-              collector->add(pipeline, truth);
+              collected->all.add(pipeline, truth);
+              for (std::size_t f = 0; f < kFolds; ++f) {
+                collected->folds[f].add(pipeline, truthOfFold(pipeline, truth, f, number, files));
+              }
             });
       }
+      ++number;
     }
-    if (pointsOf(*collector) == before) {
+    if (pointsOf(collected->all) == before) {
       throw std::runtime_error(input.name + ": not one point has a label of a class");
     }
   }
+}
+
+/// Calibrates the model on what models of the same kind, each learned from the other fold, say of
+/// every fold. Returns why it could not be done, or "".
+std::string calibrate(const LabelledSource& source, const Options& options,
+                      TerrainNodeConfig config, const Collected& collected,
+                      const TrainerOptions& trainer, ClassifierModel* model) {
+  config.pipeline.smooth_labels = true;
+  const std::vector<Pass> wanted = parsePasses(options.passes);
+  const std::size_t files = fileCount(source);
+  Calibrator calibrator(model->classes.size());
+  for (std::size_t f = 0; f < kFolds; ++f) {
+    ClassifierModel other;
+    try {
+      other = trainLike(*model, collected.folds[1 - f], trainer);
+    } catch (const std::runtime_error& error) {
+      return std::string("half of the places is not enough to learn from: ") + error.what();
+    }
+    std::size_t number = 0;
+    for (const LabelledInput& input : source.inputs()) {
+      for (const LabelledFile& file : input.files) {
+        for (const Pass pass : passesOf(file, wanted)) {
+          if (files > 1 && number % kFolds != f) continue;
+          source.forEachLabelledScan(
+              file, pass, config, other,
+              [&](const TerrainPipeline& pipeline, const std::vector<double>& truth) {
+                calibrator.add(pipeline, truthOfFold(pipeline, truth, f, number, files));
+              });
+        }
+        ++number;
+      }
+    }
+  }
+  calibrator.calibrate(options.priors == "equal", model);
+  return "";
 }
 
 std::string baseName(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
@@ -157,10 +239,16 @@ void train(const Options& options) {
   const std::vector<uint32_t> colors =
       source.mapping() ? source.mapping()->colors : classColors(names, {});
   ClassifierModel frame = modelFrame(names, colors, features, config.pipeline);
-  SampleCollector collector(names.size(), features.size(), options.samples, options.seed);
-  collect(source, options, config, frame, &collector);
+  Collected collected(frame, options);
+  collect(source, options, config, frame, &collected);
   addProvenance(options, &frame);
-  const Training training = trainClassifier(collector, frame, trainerOptions(options));
+  const TrainerOptions trainer = trainerOptions(options);
+  Training training = trainClassifier(collected.all, frame, trainer);
+  const std::string uncalibrated =
+      calibrate(source, options, config, collected, trainer, &training.model);
+  if (!uncalibrated.empty()) {
+    std::fprintf(stderr, "warning: the model is not calibrated: %s\n", uncalibrated.c_str());
+  }
   saveClassifierModel(training.model, options.output);
   printTraining(training);
   std::printf("%s written\n", options.output.c_str());

@@ -21,7 +21,7 @@ constexpr std::size_t kFolds = 4;
 // Candidates are compared on no more than this: the choice does not need what the final fit uses.
 constexpr std::size_t kMostSamplesToCompare = 4000;
 constexpr int kKMeansIterations = 20;
-constexpr int kEmIterations = 100;
+constexpr int kEmIterations = 40;
 // Of the variance of a feature, lest a component collapses while it is learned.
 constexpr double kLeastVariance = 1e-6;
 constexpr double kLeastWeight = 1e-4;
@@ -52,11 +52,24 @@ std::vector<GaussianComponent> fit(const Eigen::MatrixXd& values, const Eigen::V
       (values.colwise() - scaling.mean).array().colwise() / scaling.deviation.array();
   const arma::mat data(scaled.data(), static_cast<arma::uword>(scaled.rows()),
                        static_cast<arma::uword>(scaled.cols()));
+  const arma::vec scaled_floor(
+      Eigen::VectorXd(floor.array() / scaling.deviation.array().square()).data(),
+      static_cast<arma::uword>(floor.size()));
   arma::arma_rng::set_seed(seed);
   arma::gmm_full mixture;
-  const bool learned =
-      mixture.learn(data, static_cast<arma::uword>(components), arma::maha_dist,
-                    arma::static_spread, kKMeansIterations, kEmIterations, kLeastVariance, false);
+  bool learned = mixture.learn(data, static_cast<arma::uword>(components), arma::maha_dist,
+                               arma::static_spread, kKMeansIterations, 1, kLeastVariance, false);
+  // The floor goes onto the variances after every step: components then share the samples as they
+  // will when they are used.
+  for (int i = 1; learned && i < kEmIterations; ++i) {
+    arma::cube covariances = mixture.fcovs;
+    for (arma::uword c = 0; c < covariances.n_slices; ++c) {
+      covariances.slice(c).diag() += scaled_floor;
+    }
+    mixture.set_fcovs(covariances);
+    learned = mixture.learn(data, mixture.n_gaus(), arma::maha_dist, arma::keep_existing, 0, 1,
+                            kLeastVariance, false);
+  }
   if (!learned) {
     throw std::runtime_error("expectation maximisation failed with " + std::to_string(components) +
                              " components on " + std::to_string(values.cols()) + " samples");

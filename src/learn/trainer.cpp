@@ -224,6 +224,25 @@ Training trainClassifier(const SampleCollector& collector, ClassifierModel frame
   return training;
 }
 
+ClassifierModel trainLike(const ClassifierModel& model, const SampleCollector& collector,
+                          const TrainerOptions& options) {
+  ClassifierModel other = model;
+  std::vector<ClassTraining> classes;
+  for (std::size_t c = 0; c < model.classes.size(); ++c) {
+    classes.push_back({collector.counts(c), collector.samples(c), {}});
+    checkSamples(classes.back(), model.classes[c].name);
+  }
+  std::vector<std::string> constant_features;
+  const Eigen::VectorXd floor =
+      covarianceFloor(balancedSpread(classes), model.features, &constant_features);
+  for (std::size_t c = 0; c < model.classes.size(); ++c) {
+    MixtureOptions mixture = options.mixture;
+    mixture.candidates = {static_cast<int>(model.classes[c].mixture.size())};
+    other.classes[c].mixture = learnMixture(classes[c].samples, floor, mixture).components;
+  }
+  return other;
+}
+
 std::string trainingReport(const Training& training, const std::string& model_path,
                            const std::vector<std::string>& inputs) {
   Json json;

@@ -43,6 +43,11 @@ struct Training {
 Training trainClassifier(const SampleCollector& collector, ClassifierModel frame,
                          const TrainerOptions& options);
 
+/// `model` with mixtures learned from other samples, of as many components as it has: to see how a
+/// model of its kind does where it was not learned. Throws as trainClassifier does.
+ClassifierModel trainLike(const ClassifierModel& model, const SampleCollector& collector,
+                          const TrainerOptions& options);
+
 /// A model of these classes and features whose mixtures are placeholders: to compute features with.
 ClassifierModel modelFrame(const std::vector<std::string>& names,
                            const std::vector<uint32_t>& colors,
