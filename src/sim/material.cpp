@@ -36,7 +36,7 @@ constexpr std::array<MaterialProperties, static_cast<std::size_t>(Material::kCou
         {Label::kFacade, kSurface, 142, 104, 66, 0.38F, 0.0F, 0.10F},     // kWindowFrame
         {Label::kWall, kSurface, 132, 128, 122, 0.35F, 0.0F, 0.14F},      // kStoneWall
         {Label::kVehicle, kSurface, 150, 36, 40, 0.40F, 0.0F, 0.05F},     // kCarPaint
-        {Label::kVehicle, kSurface, 62, 78, 92, 0.03F, 0.55F, 0.15F},     // kCarGlass
+        {Label::kVehicle, kSurface, 62, 78, 92, 0.03F, 0.75F, 0.15F},     // kCarGlass
         {Label::kVehicle, kSurface, 32, 32, 34, 0.08F, 0.0F, 0.10F},      // kRubber
         {Label::kObject, kSurface, 142, 104, 66, 0.38F, 0.0F, 0.10F},     // kPlank
         {Label::kObject, kSurface, 212, 204, 186, 0.55F, 0.0F, 0.04F},    // kBoard

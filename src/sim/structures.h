@@ -28,7 +28,8 @@ struct UtilityPoleStyle {
   double lamp_arm_m = 0.0;  ///< 0: none
 };
 
-/// Pole of a street, with arms along y, the lamp towards +y; wires hang at `height_m` + 0.15 from the topmost.
+/// Pole of a street, with arms along y, the lamp towards +y; wires hang at `height_m` + 0.15 from
+/// the topmost.
 Model makeStreetPole(const UtilityPoleStyle& style);
 Model makeSignPost();
 Model makeHydrant();

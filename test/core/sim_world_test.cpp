@@ -116,7 +116,7 @@ struct Survey {
   }
 };
 
-Survey surveyOf(const std::string& scene_name) {
+Survey takeSurvey(const std::string& scene_name) {
   const World& world = worldOf(scene_name, 1);
   LadarConfig config = sensorConfig("os64");
   config.columns = 512;
@@ -124,7 +124,7 @@ Survey surveyOf(const std::string& scene_name) {
   const VehiclePath path(world.circuit, world.scene.ground(), 5.0);
   const Ladar ladar(config, world.scene, path, 1);
   Survey survey;
-  for (uint64_t k = 0; k < 700; k += 20) {
+  for (uint64_t k = 0; k < 700; k += 35) {
     for (const Return& r : ladar.takeScan(k)) {
       const double time_s = ladar.startTime(k) + double{r.time_s};
       if (!r.valid()) continue;
@@ -135,6 +135,14 @@ Survey surveyOf(const std::string& scene_name) {
     }
   }
   return survey;
+}
+
+/// Surveys are taken once for all tests.
+const Survey& surveyOf(const std::string& scene_name) {
+  static std::map<std::string, Survey> surveys;
+  const auto known = surveys.find(scene_name);
+  if (known != surveys.end()) return known->second;
+  return surveys.emplace(scene_name, takeSurvey(scene_name)).first->second;
 }
 
 struct Promise {
@@ -171,14 +179,14 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& promise) { return std::string(promise.param.scene); });
 
 TEST_P(SimScenePromise, HoldsWhatItPromises) {
-  const Survey survey = surveyOf(GetParam().scene);
+  const Survey& survey = surveyOf(GetParam().scene);
   for (const Label label : GetParam().labels) {
     EXPECT_GT(survey.count(label), 30U) << "label " << static_cast<int>(label);
   }
 }
 
 TEST(SimStreet, IsAsTallAsATown) {
-  const Survey survey = surveyOf("street");
+  const Survey& survey = surveyOf("street");
   EXPECT_GT(survey.height(Label::kFoliage, 0.9), 6.0);
   EXPECT_GT(survey.height(Label::kFoliage, 1.0), 9.0);
   EXPECT_GT(survey.height(Label::kFoliage, 0.02), 1.0) << "lower trunks are bare";
@@ -222,7 +230,7 @@ std::array<double, 3> slopesOf(const World& world) {
 }
 
 TEST(SimScrubland, IsLowAndSteep) {
-  const Survey survey = surveyOf("scrubland");
+  const Survey& survey = surveyOf("scrubland");
   EXPECT_LT(survey.height(Label::kShrub, 0.5), 0.8);
   EXPECT_LT(survey.height(Label::kShrub, 0.98), 2.2);
   EXPECT_LT(survey.height(Label::kGrass, 0.98), 0.9);
