@@ -277,8 +277,8 @@ void TerrainPipeline::reset() {
 void TerrainPipeline::keepFeatures(bool keep) {
   keep_features_ = keep;
   if (keep) return;
-  kept_features_ = {};
-  kept_terms_ = {};
+  std::vector<float>().swap(kept_features_);  // = {} would keep the memory
+  std::vector<float>().swap(kept_terms_);
 }
 
 void TerrainPipeline::scrollTo(const Eigen::Vector3d& p_map_vehicle) {
