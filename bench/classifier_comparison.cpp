@@ -336,6 +336,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--quick", options.quick, "try few settings of CGAL");
   CLI11_PARSE(app, argc, argv);
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // progress, into a pipe too
   try {
     ladar_perception::bench::compare(options);
   } catch (const std::exception& error) {
