@@ -43,16 +43,6 @@ constexpr double kCovarianceFloor = 0.1;
 constexpr double kUnknownShare = 0.001;
 constexpr double kUnknownMargin = 10.0;
 
-std::vector<Feature> parseFeatures(const std::vector<std::string>& names) {
-  std::vector<Feature> features;
-  for (const std::string& name : names) {
-    const auto feature = featureFromName(name);
-    if (!feature) throw std::runtime_error("--features: unknown feature '" + name + "'");
-    features.push_back(*feature);
-  }
-  return features;
-}
-
 /// A uniform sample of bounded size from a stream of feature vectors.
 class Reservoir {
  public:
@@ -96,18 +86,18 @@ ClassifierModel emptyModel(const TerrainNodeConfig& config, const std::vector<Fe
 }
 
 void sampleScan(const TerrainPipeline& pipeline, const std::vector<double>& truth,
-                const std::vector<Feature>& features, std::vector<Reservoir>* reservoirs) {
+                std::vector<Reservoir>* reservoirs) {
   const auto least = static_cast<uint32_t>(pipeline.config().min_support_points);
   for (std::size_t i = 0; i < truth.size(); ++i) {
     if (!(truth[i] >= 1.0 && truth[i] <= kClasses.size())) continue;
     const CellId cell = pipeline.pointCells()[i];
     if (cell == kNoCell) continue;
-    const SaliencyF& saliency = pipeline.saliency(pipeline.map().slotOf(cell));
+    const std::size_t slot = pipeline.map().slotOf(cell);
+    const SaliencyF& saliency = pipeline.saliency(slot);
     if (!saliency.defined || saliency.points < least) continue;
     (*reservoirs)[static_cast<std::size_t>(truth[i]) - 1].offer([&] {
-      std::vector<double> sample;
-      for (const Feature feature : features) sample.push_back(featureValue(feature, saliency));
-      return sample;
+      const float* features = pipeline.features(slot);
+      return std::vector<double>(features, features + pipeline.model().features.size());
     });
   }
 }
@@ -140,7 +130,7 @@ void sampleBag(const std::string& path, const TerrainNodeConfig& config,
     }
     std::vector<double> values;
     readScalars({layout, scan.cloud->data.data(), scan.cloud->data.size()}, *truth, &values);
-    sampleScan(processor.pipeline(), values, model.features, reservoirs);
+    sampleScan(processor.pipeline(), values, reservoirs);
   }
   progress.finish();
   if (!any) {
