@@ -274,7 +274,7 @@ void TerrainPipeline::reset() {
 
 void TerrainPipeline::keepFeatures(bool keep) {
   keep_features_ = keep;
-  if (!keep) kept_features_ = {};
+  if (!keep) std::vector<float>().swap(kept_features_);  // which also gives the memory back
 }
 
 void TerrainPipeline::scrollTo(const Eigen::Vector3d& p_map_vehicle) {
