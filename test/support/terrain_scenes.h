@@ -90,14 +90,17 @@ inline const ScanReport& processAt(TerrainPipeline* pipeline,
   return processPoints(pipeline, xyzCloud(p_sensor), T_map_sensor, p_map_vehicle, {}, stamp_s);
 }
 
-/// Points given in the map frame, seen from far below the vehicle, so that none is too near.
+/// Points given in the map frame, to the step, seen from far below the vehicle, so that none is too
+/// near.
 inline const ScanReport& processInMap(TerrainPipeline* pipeline,
                                       const std::vector<Eigen::Vector3d>& p_map,
                                       const Eigen::Vector3d& p_map_vehicle) {
   Eigen::Isometry3d T_map_sensor = Eigen::Isometry3d::Identity();
   T_map_sensor.translation() = p_map_vehicle - Eigen::Vector3d(0, 0, 16);
   std::vector<Eigen::Vector3d> p_sensor;
-  for (const Eigen::Vector3d& p : p_map) p_sensor.push_back(p - T_map_sensor.translation());
+  for (const Eigen::Vector3d& p : p_map) {
+    p_sensor.push_back(stepMiddle(p) - T_map_sensor.translation());
+  }
   return processPoints(pipeline, xyzCloud(p_sensor), T_map_sensor, p_map_vehicle);
 }
 
