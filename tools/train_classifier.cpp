@@ -43,6 +43,14 @@ constexpr double kCovarianceFloor = 0.1;
 constexpr double kUnknownShare = 0.001;
 constexpr double kUnknownMargin = 10.0;
 
+std::vector<Feature> featuresOf(const Options& options) {
+  try {
+    return parseFeatures(options.features);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(std::string("--features: ") + error.what());
+  }
+}
+
 /// A uniform sample of bounded size from a stream of feature vectors.
 class Reservoir {
  public:
@@ -107,6 +115,7 @@ void sampleBag(const std::string& path, const TerrainNodeConfig& config,
   tf2::BufferCore buffer(ros::Duration(30.0));
   ScanBagReader reader(path, "", &buffer);
   TerrainProcessor processor(config, model, &buffer);
+  processor.keepFeatures(true);
   Progress progress("scans of " + path, reader.scanCount());
   ScanBagReader::Scan scan;
   bool any = false;
@@ -207,7 +216,7 @@ std::string baseName(const std::string& path) { return path.substr(path.find_las
 
 void train(const Options& options) {
   const TerrainNodeConfig config = readTerrainNodeConfigFile(options.config);
-  ClassifierModel model = emptyModel(config, parseFeatures(options.features));
+  ClassifierModel model = emptyModel(config, featuresOf(options));
   std::vector<Reservoir> reservoirs;
   for (std::size_t c = 0; c < kClasses.size(); ++c) {
     reservoirs.emplace_back(options.samples, options.seed + static_cast<unsigned>(c));

@@ -49,6 +49,8 @@ class TerrainProcessor {
 
   ScanOutcome process(const sensor_msgs::PointCloud2& scan, const Wait& wait);
   void reset();
+  /// As TerrainPipeline::keepFeatures.
+  void keepFeatures(bool keep) { pipeline_.keepFeatures(keep); }
 
   const TerrainPipeline& pipeline() const { return pipeline_; }
   /// Layout of the last labelled scan.
