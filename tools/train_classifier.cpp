@@ -39,7 +39,8 @@ void addOptions(CLI::App* app, Options* o) {
   app->add_option("--config", o->config,
                   "parameters, as config/terrain.yaml: voxels, supports and the map of streams and "
                   "bags");
-  app->add_option("--features", o->features, "names of features and of sets of them, separated by commas")
+  app->add_option("--features", o->features,
+                  "names of features and of sets of them, separated by commas")
       ->delimiter(',')
       ->allow_extra_args(false);
   app->add_option("--passes", o->passes,
@@ -71,6 +72,14 @@ void addOptions(CLI::App* app, Options* o) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app->add_flag("--no-pictures", o->no_pictures, "report.json alone");
+}
+
+std::vector<Feature> featuresOf(const Options& options) {
+  try {
+    return parseFeatures(options.features);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(std::string("--features: ") + error.what());
+  }
 }
 
 std::vector<Pass> parsePasses(const std::vector<std::string>& names) {
@@ -228,7 +237,7 @@ void printTraining(const Training& training) {
 
 void train(const Options& options) {
   const TerrainNodeConfig config = readTerrainNodeConfigFile(options.config);
-  const std::vector<Feature> features = parseFeatures(options.features);
+  const std::vector<Feature> features = featuresOf(options);
   const LabelledSource source(options.source);
   std::unique_ptr<ReportFolder> report;
   if (!options.report.empty()) report = std::make_unique<ReportFolder>(options.report);

@@ -53,28 +53,35 @@ void chooseInSquares(int nx, int ny, int r, std::vector<int32_t>* values,
 }
 
 /// Sums over windows of 2 r + 1 rows, in place.
-void sumInWindows(int32_t* values, int rows, int width, int r, std::vector<int32_t>* scratch) {
+LADAR_INLINE void sumInWindows(int32_t* __restrict__ values, int rows, int width, int r,
+                               std::vector<int32_t>* scratch) {
   const auto size = static_cast<std::size_t>(width);
-  scratch->assign(values, values + size * rows);
-  std::vector<int32_t> sum(size, 0);
-  const auto add = [&](int row, int32_t sign) {
-    if (row < 0 || row >= rows) return;
-    for (std::size_t i = 0; i < size; ++i) sum[i] += sign * (*scratch)[row * size + i];
-  };
-  for (int row = 0; row < r; ++row) add(row, 1);
-  for (int row = 0; row < rows; ++row) {
-    add(row + r, 1);
-    std::copy(sum.begin(), sum.end(), values + row * size);
-    add(row - r, -1);
+  // The running sum, and behind it the rows as they were.
+  scratch->assign(size, 0);
+  scratch->insert(scratch->end(), values, values + size * rows);
+  int32_t* __restrict__ sum = scratch->data();
+  const int32_t* __restrict__ before = sum + size;
+  for (int row = -r; row < rows; ++row) {
+    if (row + r < rows) {
+      const int32_t* entering = before + (row + r) * size;
+      for (std::size_t i = 0; i < size; ++i) sum[i] += entering[i];
+    }
+    if (row >= 0) std::copy_n(sum, size, values + row * size);
+    if (row >= r) {
+      const int32_t* leaving = before + (row - r) * size;
+      for (std::size_t i = 0; i < size; ++i) sum[i] -= leaving[i];
+    }
   }
 }
 
 void sumInSquares(int nx, int ny, int r, std::vector<int32_t>* values,
                   std::vector<int32_t>* scratch) {
-  for (int y = 0; y < ny; ++y) {
-    sumInWindows(values->data() + static_cast<std::size_t>(y) * nx, nx, 1, r, scratch);
-  }
-  sumInWindows(values->data(), ny, nx, r, scratch);
+  dispatch([&]() LADAR_INLINE_LAMBDA {
+    for (int y = 0; y < ny; ++y) {
+      sumInWindows(values->data() + static_cast<std::size_t>(y) * nx, nx, 1, r, scratch);
+    }
+    sumInWindows(values->data(), ny, nx, r, scratch);
+  });
 }
 
 /// Calls `visit(i, column)` for every column; i counts them by local y, then x.

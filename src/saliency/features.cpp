@@ -171,13 +171,15 @@ int parseRadius(const std::string& name, const std::string& text) {
 
 SupportBox parseBox(const std::string& name, const std::string& text, bool of_columns) {
   const std::size_t cross = text.find('x');
-  const int radius = parseRadius(name, text.substr(0, cross));
   if (of_columns) {
-    if (cross == std::string::npos && radius <= kMaxColumnRadius) return {radius, 0};
+    const bool is_radius = !text.empty() && cross == std::string::npos;
+    const int columns = is_radius ? parseRadius(name, text) : 0;
+    if (columns >= 1 && columns <= kMaxColumnRadius) return {columns, 0};
     throw std::invalid_argument("feature '" + name +
                                 "': what it measures needs '@' and a radius of 1 to " +
                                 std::to_string(kMaxColumnRadius) + " columns, as in '@40'");
   }
+  const int radius = parseRadius(name, text.substr(0, cross));
   const SupportBox box = {
       radius, cross == std::string::npos ? radius : parseRadius(name, text.substr(cross + 1))};
   if (box.radius_xy > 64 || box.radius_z > 64 ||

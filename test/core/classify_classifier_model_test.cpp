@@ -25,6 +25,11 @@ ClassifierModel richModel() {
   Eigen::MatrixXd& covariance = model.classes[2].mixture[0].covariance;
   covariance(0, 1) = covariance(1, 0) = 0.012345678901;
   model.unknown_log_likelihood = -12.5;
+  model.features = parseFeatures({"spread_angle@3x15", "log_height@40", "cbrt_linear@6"});
+  model.calibration.temperature = 1.0 / 3;
+  model.calibration.smoothing_radius_voxels = 8;
+  model.calibration.smoothing_temperature = 12.5;
+  model.calibration.smoothing_sharpness = 0.75;
   model.provenance = {{"source", "campus: seed 7, \"noisy\"\nsecond line"}, {"points", "123"}};
   return model;
 }
@@ -99,6 +104,10 @@ TEST(ClassifierModel, FileRoundTripKeepsEveryValue) {
   EXPECT_EQ(loaded.voxel_size_m, 0.1);
   EXPECT_EQ(loaded.support_radius_voxels, 4);
   EXPECT_EQ(loaded.unknown_log_likelihood, -12.5);
+  EXPECT_NEAR(loaded.calibration.temperature, 1.0 / 3, 1e-9);
+  EXPECT_EQ(loaded.calibration.smoothing_radius_voxels, 8);
+  EXPECT_EQ(loaded.calibration.smoothing_temperature, 12.5);
+  EXPECT_EQ(loaded.calibration.smoothing_sharpness, 0.75);
   EXPECT_EQ(loaded.provenance, model.provenance);
   ASSERT_EQ(loaded.classes.size(), model.classes.size());
   for (std::size_t c = 0; c < model.classes.size(); ++c) {
@@ -166,6 +175,66 @@ TEST(ClassifierModel, WrongTypesSayWhatIsExpected) {
   expectParseError("[0.05, 0.4, 0.2]", "[0.05, x, 0.2]", {"'mean' must be a list of numbers"});
   expectParseError("features:\n", "features: 3\nx:\n", {"x"});
   expectParseError("  \"source\": \"made by hand for tests\"", "  - text", {"'provenance'"});
+}
+
+TEST(ClassifierModel, FeaturesAreWrittenWithTheirSupports) {
+  const std::string text = formatClassifierModel(richModel());
+  EXPECT_NE(text.find("features:\n  - spread_angle@3x15\n  - log_height@40\n  - cbrt_linear@6\n"),
+            std::string::npos)
+      << text;
+  expectParseError("- cbrt_scatter", "- cbrt_scatter@0", {"'cbrt_scatter@0'", "from 1", ":8:"});
+  expectParseError("- cbrt_scatter", "- cbrt_scatter@30", {"too large"});
+  expectParseError("- cbrt_scatter", "- log_height", {"'log_height'", "needs '@'"});
+}
+
+TEST(ClassifierModel, FilesFromBeforeCalibrationAreOnesThatNeverHadIt) {
+  ClassifierModel model = richModel();
+  const std::string text = withoutKey(formatClassifierModel(model), "calibration");
+  EXPECT_EQ(text.find("temperature"), std::string::npos);
+  const Calibration loaded = parseClassifierModel(text, "m.yaml").calibration;
+  const Calibration none;
+  EXPECT_EQ(loaded.temperature, 1.0);
+  EXPECT_EQ(loaded.smoothing_radius_voxels, none.smoothing_radius_voxels);
+  EXPECT_EQ(loaded.smoothing_temperature, none.smoothing_temperature);
+  EXPECT_EQ(loaded.smoothing_sharpness, none.smoothing_sharpness);
+}
+
+TEST(ClassifierModel, CalibrationErrorsNameLineAndKey) {
+  // In the file of handModel: calibration stands in line 11, its keys in the next.
+  expectParseError("  temperature: 1\n", "", {":12:", "'temperature' is missing"});
+  expectParseError("  temperature: 1\n", "  temperature: hot\n",
+                   {":12:", "'temperature' must be a number"});
+  for (const char* value : {"0", "-1", ".nan", ".inf", "1e-60", "0.0009", "1001"}) {
+    const std::string from = "calibration:\n  temperature: 1\n";
+    expectParseError(from, "calibration:\n  temperature: " + std::string(value) + "\n",
+                     {":12:", "'temperature' must be 0.001 to 1000"});
+    expectParseError("    temperature: 2\n", "    temperature: " + std::string(value) + "\n",
+                     {":15:", "'temperature' must be 0.001 to 1000"});
+    expectParseError("sharpness: 1\n", "sharpness: " + std::string(value) + "\n",
+                     {":16:", "'sharpness' must be 0.001 to 1000"});
+  }
+  for (const char* value : {"0", "9", "-3"}) {
+    expectParseError("radius_voxels: 5\n", "radius_voxels: " + std::string(value) + "\n",
+                     {":14:", "'radius_voxels' must be 1 to 8"});
+  }
+  expectParseError("radius_voxels: 5\n", "radius_voxels: 2.5\n",
+                   {":14:", "'radius_voxels' must be an integer"});
+  expectParseError("    radius_voxels: 5\n", "", {"'radius_voxels' is missing"});
+  expectParseError("    sharpness: 1\n", "", {"'sharpness' is missing"});
+  expectParseError("    sharpness: 1\n", "    sharpness: 1\n    width: 3\n",
+                   {":17:", "unknown key 'width'"});
+  expectParseError("calibration:\n", "calibration:\n  heat: 3\n", {":12:", "unknown key 'heat'"});
+  expectParseError("  smoothing:\n", "  smoothing: none\nx:\n", {"x"});
+}
+
+TEST(ClassifierModel, CalibrationMustBeAMap) {
+  const std::string text = withoutKey(formatClassifierModel(handModel()), "calibration");
+  for (const char* value : {"", " 3", " [1, 2]", "\n  temperature: 1\n  smoothing: 3"}) {
+    const std::string error = parseError(text + "calibration:" + value + "\n");
+    EXPECT_NE(error.find("expected a map"), std::string::npos) << error;
+  }
+  const std::string error = parseError(text + "calibration:\n  temperature: 1\n");
+  EXPECT_NE(error.find("'smoothing' is missing"), std::string::npos) << error;
 }
 
 TEST(ClassifierModel, AThresholdThatIsNoNumberIsRefused) {

@@ -20,7 +20,7 @@ constexpr int kSize = FeatureBlock::kSize;
 /// Classes that are normal in one feature, at these means with deviation 1.
 ClassifierModel lineModel(const std::vector<double>& means, const std::vector<double>& priors) {
   ClassifierModel model;
-  model.features = {Feature::kScatter};
+  model.features = {{Quantity::kScatter}};
   for (std::size_t c = 0; c < means.size(); ++c) {
     model.classes.push_back(
         {"c" + std::to_string(c), 0, priors[c], {gaussian(1.0, {means[c]}, {1.0})}});
@@ -148,6 +148,173 @@ TEST(Classifier, TwoAndSixteenClasses) {
     EXPECT_NEAR(result.confidence, 1.0F, 1e-6F);
   }
 }
+
+/// Values of a feature that are within a few deviations of line models.
+FeatureBlock lineValues(TestRandom* random) {
+  FeatureBlock block(1);
+  for (int i = 0; i < kSize; ++i) block.row(0)[i] = static_cast<float>(random->real(-5.0, 20.0));
+  return block;
+}
+
+/// Priors times likelihoods to the power of 1 / temperature, in double precision.
+std::vector<double> expectedPosterior(const std::vector<double>& means,
+                                      const std::vector<double>& priors, double x,
+                                      double temperature) {
+  std::vector<double> log_joint;
+  for (std::size_t c = 0; c < means.size(); ++c) {
+    log_joint.push_back((std::log(priors[c]) - 0.5 * std::pow(x - means[c], 2)) / temperature);
+  }
+  const double greatest = *std::max_element(log_joint.begin(), log_joint.end());
+  double sum = 0.0;
+  for (double& joint : log_joint) sum += joint = std::exp(joint - greatest);
+  for (double& joint : log_joint) joint /= sum;
+  return log_joint;
+}
+
+class AnyClasses : public testing::TestWithParam<int> {
+ protected:
+  AnyClasses() {
+    for (int c = 0; c < GetParam(); ++c) {
+      means_.push_back(random_.real(0.0, 15.0));
+      priors_.push_back(random_.real(0.1, 10.0));
+    }
+  }
+  ClassifierModel model() const { return lineModel(means_, priors_); }
+  std::size_t classes() const { return means_.size(); }
+
+  TestRandom random_{static_cast<uint64_t>(GetParam())};
+  std::vector<double> means_;
+  std::vector<double> priors_;
+};
+
+double sumOf(const PosteriorBlock& block, std::size_t classes, int i) {
+  double sum = 0.0;
+  for (std::size_t c = 0; c < classes; ++c) sum += block.probability[c][i];
+  return sum;
+}
+
+TEST_P(AnyClasses, PosteriorsFollowBayesAtAnyTemperature) {
+  const Classifier classifier(model());
+  EXPECT_EQ(classifier.classes(), classes());
+  for (const double temperature : {0.25, 1.0, 1.7, 8.0, 100.0}) {
+    const FeatureBlock values = lineValues(&random_);
+    PosteriorBlock posterior;
+    classifier.posteriors(values, static_cast<float>(temperature), &posterior);
+    for (int i = 0; i < kSize; ++i) {
+      const auto expected = expectedPosterior(means_, priors_, values.row(0)[i], temperature);
+      for (std::size_t c = 0; c < classes(); ++c) {
+        ASSERT_NEAR(posterior.probability[c][i], expected[c], 1e-4 / temperature + 2e-6);
+        ASSERT_GE(posterior.probability[c][i], 0.0F);
+      }
+      ASSERT_NEAR(sumOf(posterior, classes(), i), 1.0, 1e-6);
+      ASSERT_EQ(posterior.known[i], 1U);
+    }
+  }
+}
+
+TEST_P(AnyClasses, TemperatureFlattensAndKeepsTheOrder) {
+  const Classifier classifier(model());
+  const FeatureBlock values = lineValues(&random_);
+  std::vector<Classification> before;
+  for (const float temperature : {0.1F, 0.5F, 1.0F, 2.0F, 10.0F, 1000.0F}) {
+    PosteriorBlock posterior;
+    classifier.posteriors(values, temperature, &posterior);
+    std::vector<Classification> chosen(kSize);
+    classifier.choose(posterior, kSize, chosen.data());
+    for (int i = 0; i < kSize && !before.empty(); ++i) {
+      ASSERT_LE(chosen[i].confidence, before[i].confidence + 1e-6F);
+      const bool is_close = before[i].confidence < 0.5F + 1e-3F;  // rounding may decide
+      if (!is_close) {
+        ASSERT_EQ(chosen[i].label, before[i].label);
+      }
+    }
+    before = chosen;
+  }
+  for (const Classification& flat : before) {
+    EXPECT_NEAR(flat.confidence, 1.0 / GetParam(), 0.2 / GetParam());
+  }
+}
+
+TEST_P(AnyClasses, SharpeningRaisesToAPower) {
+  const Classifier classifier(model());
+  PosteriorBlock posterior;
+  classifier.posteriors(lineValues(&random_), 4.0F, &posterior);
+  for (const float sharpness : {0.3F, 1.0F, 1.4F, 3.0F}) {
+    PosteriorBlock sharpened = posterior;
+    classifier.sharpen(sharpness, &sharpened);
+    for (int i = 0; i < kSize; ++i) {
+      double sum = 0.0;
+      for (std::size_t c = 0; c < classes(); ++c) {
+        sum += std::pow(std::max(posterior.probability[c][i], 1e-6F), sharpness);
+      }
+      for (std::size_t c = 0; c < classes(); ++c) {
+        const double power = std::pow(std::max(posterior.probability[c][i], 1e-6F), sharpness);
+        ASSERT_NEAR(sharpened.probability[c][i], power / sum, 5e-6);
+        if (sharpness == 1.0F) {
+          // As it was, but for those that were 0.
+          ASSERT_NEAR(sharpened.probability[c][i], posterior.probability[c][i], 1e-5);
+        }
+      }
+      ASSERT_NEAR(sumOf(sharpened, classes(), i), 1.0, 1e-6);
+      ASSERT_EQ(sharpened.known[i], posterior.known[i]);
+    }
+  }
+}
+
+TEST_P(AnyClasses, TheFirstOfEqualsIsChosen) {
+  const Classifier classifier(model());
+  PosteriorBlock block = {};
+  for (int i = 0; i < kSize; ++i) {
+    block.known[i] = i % 5 == 4 ? 0 : 1;
+    for (std::size_t c = 0; c < classes(); ++c) block.probability[c][i] = 0.01F;
+    // Two that are equal and greater than the rest.
+    block.probability[i % classes()][i] = 0.4F;
+    block.probability[(3 * i + 1) % classes()][i] = 0.4F;
+  }
+  Classification chosen[kSize];
+  std::fill_n(chosen, kSize, Classification{99, 0.5F});
+  classifier.choose(block, kSize - 3, chosen);
+  for (int i = 0; i < kSize; ++i) {
+    const std::size_t first = std::min(i % classes(), (3 * i + 1) % classes());
+    Classification expected = {static_cast<uint8_t>(first + 1), 0.4F};
+    if (i % 5 == 4) expected = Classification();
+    if (i >= kSize - 3) expected = {99, 0.5F};
+    ASSERT_EQ(chosen[i].label, expected.label) << i;
+    ASSERT_EQ(chosen[i].confidence, expected.confidence) << i;
+  }
+}
+
+TEST_P(AnyClasses, ClassifyingIsChoosingAtTheModelsTemperature) {
+  ClassifierModel model = this->model();
+  model.calibration.temperature = 2.5;
+  model.calibration.smoothing_temperature = 77.0;
+  model.unknown_log_likelihood = -8.0;
+  const Classifier classifier(model);
+  const FeatureBlock values = lineValues(&random_);
+  PosteriorBlock posterior;
+  classifier.posteriors(values, 2.5F, &posterior);
+  Classification expected[kSize];
+  Classification found[kSize];
+  classifier.choose(posterior, kSize, expected);
+  classifier.classify(values, kSize, found);
+  int unknown = 0;
+  for (int i = 0; i < kSize; ++i) {
+    ASSERT_EQ(found[i].label, expected[i].label);
+    ASSERT_EQ(found[i].confidence, expected[i].confidence);
+    // The threshold is of likelihoods, whatever the temperature.
+    double nearest = 1e9;
+    for (const double mean : means_) {
+      nearest = std::min(nearest, std::abs(values.row(0)[i] - mean));
+    }
+    const double log_likelihood = -0.9189385 - 0.5 * nearest * nearest;
+    ASSERT_EQ(found[i].label == kUnknownLabel, log_likelihood < -8.0) << log_likelihood;
+    unknown += found[i].label == kUnknownLabel ? 1 : 0;
+  }
+  EXPECT_GT(unknown, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Classifier, AnyClasses, testing::Range(2, 17),
+                         testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace ladar_perception

@@ -179,6 +179,62 @@ TEST(ColumnSet, ColumnsThatLeftAffectThoseWithinReachOfThem) {
             "......\n");
 }
 
+ColumnSet randomSet(int nx, int ny, int columns, TestRandom* random) {
+  ColumnSet set;
+  set.resize(nx, ny);
+  for (int i = 0; i < columns; ++i) {
+    const auto x = static_cast<int>(random->integer(0, nx - 1));
+    set.add(x, static_cast<int>(random->integer(0, ny - 1)));
+  }
+  return set;
+}
+
+bool containsNear(const ColumnSet& set, const MapShape& shape, int x, int y, int radius) {
+  for (int j = std::max(y - radius, 0); j <= std::min(y + radius, shape.ny - 1); ++j) {
+    for (int i = std::max(x - radius, 0); i <= std::min(x + radius, shape.nx - 1); ++i) {
+      if (set.contains(i, j)) return true;
+    }
+  }
+  return false;
+}
+
+TEST(ColumnSet, DilatesByAnyRadius) {
+  TestRandom random(6);
+  for (const MapShape& shape : {MapShape{1, 1, 1}, MapShape{63, 20, 1}, MapShape{64, 7, 1},
+                                MapShape{65, 1, 1}, MapShape{150, 40, 1}}) {
+    for (const int columns : {0, 1, 3, 50}) {
+      const ColumnSet set = randomSet(shape.nx, shape.ny, columns, &random);
+      for (const int radius : {0, 1, 2, 5, 8, 64, 70}) {
+        ColumnSet dilated = randomSet(9, 9, 9, &random);  // what was in it is gone
+        dilated.assignDilated(set, radius);
+        std::size_t size = 0;
+        for (int y = 0; y < shape.ny; ++y) {
+          for (int x = 0; x < shape.nx; ++x) {
+            const bool expected = containsNear(set, shape, x, y, radius);
+            ASSERT_EQ(dilated.contains(x, y), expected) << x << ", " << y << ", r " << radius;
+            size += expected ? 1 : 0;
+          }
+        }
+        ASSERT_EQ(dilated.size(), size) << "columns beyond the row";
+      }
+    }
+  }
+}
+
+TEST(ColumnSet, AddsAnother) {
+  TestRandom random(7);
+  const ColumnSet a = randomSet(70, 6, 40, &random);
+  const ColumnSet b = randomSet(70, 6, 40, &random);
+  ColumnSet both = a;
+  both.add(b);
+  for (int y = 0; y < 6; ++y) {
+    for (int x = 0; x < 70; ++x) {
+      ASSERT_EQ(both.contains(x, y), a.contains(x, y) || b.contains(x, y));
+    }
+  }
+  EXPECT_GT(both.size(), std::max(a.size(), b.size()));
+}
+
 TEST(ColumnSet, ColumnsBeyondTheMarginAffectNothing) {
   VoxelMap map = rowOfColumns({10, 10, 1});
   map.scrollTo({1, 0, 0});  // (0, 3) leaves

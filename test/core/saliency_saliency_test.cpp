@@ -405,20 +405,5 @@ TEST(SaliencyBlock, PlaceAndCountDoNotMatter) {
   }
 }
 
-TEST(SaliencyBlock, GivesBackWhatWasSet) {
-  TestRandom random(32);
-  VolumeMaker maker(&random);
-  const SaliencyF a = saliencyInBlock(maker.make(VolumeKind::kNoisyPlane));
-  const SaliencyF b = saliencyInBlock(maker.make(VolumeKind::kNoisyWire));
-  SaliencyBlock block = {};
-  block.set(0, a);
-  block.set(63, b);
-  block.set(5, a);
-  block.set(5, SaliencyF());
-  EXPECT_TRUE(sameBits(block.at(0), a));
-  EXPECT_TRUE(sameBits(block.at(63), b));
-  EXPECT_TRUE(sameBits(block.at(5), SaliencyF()));
-}
-
 }  // namespace
 }  // namespace ladar_perception

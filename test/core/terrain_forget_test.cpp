@@ -13,8 +13,8 @@
 #include "hand_model.h"
 #include "ladar_perception/terrain/terrain_pipeline.h"
 #include "terrain_comparisons.h"
-#include "terrain_recomputation.h"
 #include "terrain_scenes.h"
+#include "wide_model.h"
 
 namespace ladar_perception {
 namespace {

@@ -4,199 +4,35 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <ostream>
+#include <cstdlib>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "hand_model.h"
-#include "ladar_perception/terrain/terrain_pipeline.h"
-#include "map_oracle.h"
-#include "terrain_comparisons.h"
-#include "terrain_recomputation.h"
-#include "terrain_scenes.h"
+#include "random_drive.h"
+#include "wide_model.h"
 
 namespace ladar_perception {
 namespace {
 
 using Eigen::Vector3d;
+using test::DriveCase;
 using test::handModel;
-using test::listVoxels;
 using test::MixedScene;
 using test::modelFor;
 using test::processAt;
-using test::Recomputation;
-using test::TestRandom;
-
-/// A vehicle that goes anywhere and sees a few points each time.
-class RandomDrive {
- public:
-  explicit RandomDrive(const TerrainConfig& config, uint64_t seed = 1)
-      : config_(config),
-        random_(seed),
-        pipeline_(config, modelFor(config)),
-        recomputation_(config) {}
-
-  const TerrainPipeline& pipeline() const { return pipeline_; }
-  std::size_t updatedVoxels() const { return updated_voxels_; }
-  std::size_t occupiedVoxels() const { return occupied_voxels_; }
-
-  void step() {
-    move();
-    if (random_.integer(0, 149) == 0) {
-      pipeline_.reset();
-      if (random_.integer(0, 1) == 0) stamp_s_ = 0.0;
-    }
-    chooseScan();
-    stamp_s_ += random_.integer(0, 39) == 0 ? random_.real(0.0, 5.0) : random_.real(0.0, 0.2);
-    // A clock that is set back for a moment must not harm.
-    const double late_s = random_.integer(0, 19) == 0 ? 0.3 : 0.0;
-    processAt(&pipeline_, scan_, place_, std::max(stamp_s_ - late_s, 0.0));
-    updated_voxels_ += pipeline_.report().updated_voxels;
-    occupied_voxels_ += pipeline_.report().occupied_voxels;
-  }
-  void expectAllIsKnown() {
-    const VoxelMap& map = pipeline_.map();
-    ASSERT_LE(pipeline_.report().updated_voxels, map.occupied());
-    const auto all = recomputation_.ofAll(map);
-    const auto voxels = listVoxels(map);
-    for (const auto& [voxel, slot] : voxels) {
-      ASSERT_NO_FATAL_FAILURE(expectKnown(voxel, slot, all[slot]));
-    }
-    for (int i = 0; i < 12 && !voxels.empty(); ++i) {
-      const auto& [voxel, slot] =
-          voxels[random_.integer(0, static_cast<int64_t>(voxels.size()) - 1)];
-      ASSERT_NO_FATAL_FAILURE(expectKnown(voxel, slot, recomputation_.of(map, voxel)));
-    }
-    expectLabels();
-  }
-
- private:
-  void expectKnown(const VoxelIndex& voxel, std::size_t slot,
-                   const Recomputation::Voxel& expected) const {
-    ASSERT_TRUE(test::same(pipeline_.saliency(slot), expected.saliency))
-        << testing::PrintToString(voxel) << ": " << pipeline_.saliency(slot).points << " points, "
-        << expected.saliency.points << " expected";
-    ASSERT_TRUE(test::same(pipeline_.classification(slot), expected.classification))
-        << testing::PrintToString(voxel);
-  }
-  void expectLabels() const {
-    for (std::size_t i = 0; i < scan_.size(); ++i) {
-      const CellId cell = pipeline_.pointCells()[i];
-      Classification expected;
-      if (cell != kNoCell) expected = pipeline_.classification(pipeline_.map().slotOf(cell));
-      ASSERT_EQ(pipeline_.pointLabels()[i].label, expected.label);
-      ASSERT_EQ(pipeline_.pointLabels()[i].confidence, expected.confidence);
-    }
-  }
-
-  Vector3d offset(double x_voxels, double y_voxels, double z_voxels) {
-    const double x = random_.real(-x_voxels, x_voxels);
-    const double y = random_.real(-y_voxels, y_voxels);
-    return config_.voxel_size_m * Vector3d(x, y, random_.real(-z_voxels, z_voxels));
-  }
-  void move() {
-    const MapShape& shape = pipeline_.map().shape();
-    const int64_t kind = random_.integer(0, 99);
-    if (kind < 20) return;
-    if (kind < 32) {
-      place_ -= last_move_;  // back again
-      return;
-    }
-    if (kind < 92) {
-      last_move_ = offset(1.5, 1.5, kind < 40 ? 1.5 : 0.0);
-    } else if (kind < 94) {
-      last_move_ = offset(0.0, 0.0, 0.3 * shape.nz);
-    } else if (kind < 96) {
-      last_move_ = offset(0.4 * shape.nx, 0.4 * shape.ny, 0.0);
-    } else if (kind < 99) {
-      last_move_ = offset(0.9 * shape.nx, 0.9 * shape.ny, 0.5 * shape.nz);
-    } else {
-      last_move_ = offset(3.0 * shape.nx, 0.0, 0.0);
-    }
-    place_ += last_move_;
-  }
-
-  void chooseScan() {
-    const int64_t kind = random_.integer(0, 99);
-    if (kind < 12) return;  // the same points as before, from the sensor's new place
-    scan_.clear();
-    if (kind < 22) return;
-    const MapShape& shape = pipeline_.map().shape();
-    const Vector3d size = config_.voxel_size_m * Vector3d(shape.nx, shape.ny, shape.nz);
-    const Vector3d middle(0, 0, config_.map_center_height_m);
-    if (kind < 50) addPatch(middle + somewhere(0.5 * size), size);
-    if (kind >= 50 && kind < 65) {
-      const Vector3d corner(random_.integer(0, 1) - 0.5, random_.integer(0, 1) - 0.5,
-                            random_.integer(0, 1) - 0.5);
-      addPatch(middle + 0.98 * corner.cwiseProduct(size), size);
-    }
-    if (kind >= 65 && kind < 80) addPole(middle + somewhere(0.5 * size), size.z());
-    if (kind >= 80) {
-      for (int64_t i = random_.integer(1, 30); i > 0; --i) {
-        scan_.push_back(middle + somewhere(0.55 * size));
-      }
-    }
-  }
-  Vector3d somewhere(const Vector3d& reach) {
-    const double x = random_.real(-reach.x(), reach.x());
-    const double y = random_.real(-reach.y(), reach.y());
-    return {x, y, random_.real(-reach.z(), reach.z())};
-  }
-  void addPatch(const Vector3d& middle, const Vector3d& size) {
-    const Vector3d reach(0.1 * size.x(), 0.1 * size.y(), 0.4 * config_.voxel_size_m);
-    for (int64_t i = random_.integer(1, 60); i > 0; --i) {
-      scan_.push_back(middle + somewhere(reach));
-    }
-  }
-  void addPole(const Vector3d& foot, double height_m) {
-    const Vector3d reach(0.2 * config_.voxel_size_m, 0.2 * config_.voxel_size_m, 0.5 * height_m);
-    for (int64_t i = random_.integer(1, 40); i > 0; --i) {
-      scan_.push_back(foot + somewhere(reach));
-    }
-  }
-
-  TerrainConfig config_;
-  TestRandom random_;
-  TerrainPipeline pipeline_;
-  Recomputation recomputation_;
-  Vector3d place_ = {0.05, -0.02, 0.03};
-  Vector3d last_move_ = Vector3d::Zero();
-  double stamp_s_ = 100.0;
-  std::vector<Vector3d> scan_;
-  std::size_t updated_voxels_ = 0;
-  std::size_t occupied_voxels_ = 0;
-};
-
-/// A drive by the name of what is special of it.
-struct DriveCase {
-  std::string name;
-  TerrainConfig config;
-  bool reuses = true;  // whether most voxels are of other scans' surroundings
-};
-
-void PrintTo(const DriveCase& drive, std::ostream* out) { *out << drive.name; }
-
-TerrainConfig smallMap() {
-  TerrainConfig config;
-  config.map_size_x_m = 6.0;
-  config.map_size_y_m = 5.0;
-  config.map_size_z_m = 2.0;
-  config.min_range_m = 0.0;
-  return config;
-}
+using test::smallMap;
 
 std::vector<DriveCase> driveCases() {
   std::vector<DriveCase> cases;
   const auto add = [&](const std::string& name) -> TerrainConfig& {
-    cases.push_back({name, smallMap(), true});
+    cases.push_back({name, smallMap(), {}, true});
     return cases.back().config;
   };
   add("plain");
   add("threads").threads = 3;
+  add("not_smoothed").smooth_labels = false;
   add("small_support").support_radius_voxels = 2;
   add("kernel").support_kernel = "gaussian";
   add("forget_scans").forget_after_scans = 40;
@@ -210,7 +46,7 @@ std::vector<DriveCase> driveCases() {
   fine.map_size_x_m = 2.0;
   fine.map_size_y_m = 1.0;
   TerrainConfig& all = add("everything_at_once");
-  all.threads = 3;
+  all.threads = 5;
   all.support_radius_voxels = 2;
   all.support_kernel = "gaussian";
   all.forget_after_scans = 25;
@@ -220,25 +56,13 @@ std::vector<DriveCase> driveCases() {
   narrow.voxel_size_m = 0.2;
   narrow.support_radius_voxels = 6;
   cases.back().reuses = false;
+  for (DriveCase& drive : cases) drive.model = modelFor(drive.config);
   return cases;
 }
 
-constexpr int kScans = 600;
-
 class Reuse : public testing::TestWithParam<DriveCase> {};
 
-TEST_P(Reuse, WhatIsKnownIsWhatComputingAllAnewGives) {
-  RandomDrive drive(GetParam().config);
-  for (int scan = 0; scan < kScans; ++scan) {
-    drive.step();
-    ASSERT_NO_FATAL_FAILURE(drive.expectAllIsKnown()) << "scan " << scan;
-  }
-  // Otherwise the drive has shown little.
-  EXPECT_GT(drive.updatedVoxels(), std::size_t{10 * kScans});
-  if (GetParam().reuses) {
-    EXPECT_GT(drive.occupiedVoxels(), 3 * drive.updatedVoxels());
-  }
-}
+TEST_P(Reuse, WhatIsKnownIsWhatComputingAllAnewGives) { test::expectRightAllTheWay(GetParam()); }
 
 INSTANTIATE_TEST_SUITE_P(Drives, Reuse, testing::ValuesIn(driveCases()),
                          [](const auto& drive) { return drive.param.name; });
@@ -341,6 +165,45 @@ TEST_F(FilledMap, AJumpConcernsOnlyWhatIsNew) {
   processAt(&pipeline_, {{3, 0, 0}, {3.05, 0, 0.31}}, Vector3d(1000, 0, 0));
   EXPECT_EQ(occupied(), 2U);
   EXPECT_EQ(updated(), 2U);
+}
+
+/// Confidences of all voxels, in the map's order.
+std::vector<float> confidences(const TerrainPipeline& pipeline) {
+  std::vector<float> all;
+  pipeline.map().forEachVoxel([&](const VoxelIndex& /*voxel*/, std::size_t slot) {
+    all.push_back(pipeline.classification(slot).confidence);
+  });
+  return all;
+}
+
+TEST(Smoothing, LabelsAreAveragedAnewNextToWhatLeftTheMap) {
+  TerrainConfig config = smallMap();
+  config.support_radius_voxels = 1;
+  ClassifierModel model = modelFor(config);
+  model.calibration.smoothing_radius_voxels = 8;
+  for (int gap = 1; gap <= 9; ++gap) {
+    // A pole at x = 0, and level ground from `gap` voxels on.
+    std::vector<Vector3d> pole;
+    std::vector<Vector3d> ground;
+    for (int i = 0; i < 60; ++i) pole.emplace_back(0.05, 0.05, 0.02 * i);
+    for (int i = 0; i < 200; ++i) {
+      ground.emplace_back(0.1 * gap + 0.002 * i, 0.05 + 0.01 * (i % 7), 0.03);
+    }
+    std::vector<Vector3d> both = pole;
+    both.insert(both.end(), ground.begin(), ground.end());
+    TerrainPipeline pipeline(config, model);
+    TerrainPipeline without_pole(config, model);
+    test::processInMap(&pipeline, both, Vector3d(2.55, 0, 0));
+    std::vector<float> before = confidences(pipeline);
+    test::processInMap(&pipeline, {}, Vector3d(3.15, 0, 0));
+    ASSERT_EQ(pipeline.map().minCorner().x, 1);
+    test::processInMap(&without_pole, ground, Vector3d(3.15, 0, 0));
+    ASSERT_NO_FATAL_FAILURE(test::expectSameVoxels(pipeline, without_pole)) << gap;
+    const std::vector<float> after = confidences(pipeline);
+    ASSERT_GT(before.size(), after.size());
+    before.erase(before.begin(), before.end() - static_cast<std::ptrdiff_t>(after.size()));
+    EXPECT_EQ(before != after, gap <= 8) << gap;
+  }
 }
 
 TEST(FullVoxels, RefusedPointsConcernNothing) {

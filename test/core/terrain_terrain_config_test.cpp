@@ -35,7 +35,7 @@ TEST(TerrainConfig, EveryFieldIsAParameterOfItsOwn) {
         std::visit([](auto* p) { return static_cast<const void*>(p); }, spec.target);
     EXPECT_TRUE(targets.insert(target).second) << spec.name;
   }
-  EXPECT_EQ(names.size(), 13U);
+  EXPECT_EQ(names.size(), 14U);
 }
 
 TEST(TerrainConfig, ValuesReachTheirFields) {
@@ -50,6 +50,7 @@ TEST(TerrainConfig, ValuesReachTheirFields) {
                           {"map_center_height_m", -1.0},
                           {"support_radius_voxels", 3},
                           {"min_support_points", 7},
+                          {"smooth_labels", false},
                           {"min_range_m", 1.0},
                           {"max_range_m", 50.0},
                           {"support_kernel", std::string("gaussian")},
@@ -64,6 +65,7 @@ TEST(TerrainConfig, ValuesReachTheirFields) {
   EXPECT_EQ(config.map_center_height_m, -1.0);
   EXPECT_EQ(config.support_radius_voxels, 3);
   EXPECT_EQ(config.min_support_points, 7);
+  EXPECT_FALSE(config.smooth_labels);
   EXPECT_EQ(config.min_range_m, 1.0);
   EXPECT_EQ(config.max_range_m, 50.0);
   EXPECT_EQ(config.support_kernel, "gaussian");

@@ -24,6 +24,7 @@ using test::handModel;
 using test::kLinearLabel;
 using test::kScatterLabel;
 using test::kSurfaceLabel;
+using test::listVoxels;
 using test::MixedScene;
 using test::processAt;
 using test::processPoints;
@@ -94,24 +95,27 @@ TEST(TerrainPipeline, NormalsAndTangentsPointTheRightWay) {
 }
 
 TEST(TerrainPipeline, KeepsTheFeaturesOfEveryVoxelWhenAsked) {
+  // What they must be terrain_reuse_features_test knows.
   TerrainConfig config;
   config.map_size_x_m = 12.0;
   config.threads = 2;
-  TerrainPipeline pipeline(config, handModel());
-  TerrainPipeline without(config, handModel());
+  ClassifierModel model = handModel();
+  model.features = parseFeatures({"scatter", "surface", "linear"});
+  TerrainPipeline pipeline(config, model);
+  TerrainPipeline without(config, model);
   pipeline.keepFeatures(true);
   for (int scan = 0; scan < 4; ++scan) {
     const MixedScene scene(scan);
     processAt(&pipeline, scene.points, Vector3d(0.7 * scan, 0, 0));
     processAt(&without, scene.points, Vector3d(0.7 * scan, 0, 0));
-    const auto& features = pipeline.model().features;
     std::size_t compared = 0;
     pipeline.map().forEachVoxel([&](const VoxelIndex&, std::size_t slot) {
       if (!pipeline.saliency(slot).defined) return;
       ++compared;
-      for (std::size_t f = 0; f < features.size(); ++f) {
-        ASSERT_EQ(pipeline.features(slot)[f], featureValue(features[f], pipeline.saliency(slot)));
-      }
+      const SaliencyF& saliency = pipeline.saliency(slot);
+      ASSERT_EQ(pipeline.features(slot)[0], saliency.scatter);
+      ASSERT_EQ(pipeline.features(slot)[1], saliency.surface);
+      ASSERT_EQ(pipeline.features(slot)[2], saliency.linear);
     });
     EXPECT_GT(compared, 5000u);
     ASSERT_NO_FATAL_FAILURE(expectSameVoxels(pipeline, without));
@@ -195,8 +199,8 @@ TEST(TerrainPipeline, AMillionMetresAwayNothingChanges) {
     const CellId b = far.pointCells()[i];
     ASSERT_EQ(a == kNoCell, b == kNoCell);
     if (a == kNoCell) continue;
-    ASSERT_NO_FATAL_FAILURE(expectSame(near.saliency(near.map().slotOf(a)),
-                                       far.saliency(far.map().slotOf(b))));
+    ASSERT_NO_FATAL_FAILURE(
+        expectSame(near.saliency(near.map().slotOf(a)), far.saliency(far.map().slotOf(b))));
   }
 }
 
@@ -334,6 +338,47 @@ TEST(TerrainPipeline, AnEmptyCloudKeepsTheMapAndScrollsIt) {
   EXPECT_EQ(pipeline.map().occupied(), 0U);
 }
 
+TEST(TerrainPipeline, SmoothingTakesTimeAndRemovesWhatStandsAlone) {
+  TerrainConfig config;
+  TerrainPipeline smooth(config, handModel());
+  config.smooth_labels = false;
+  TerrainPipeline rough(config, handModel());
+  const MixedScene scene;
+  processAt(&smooth, scene.points, Vector3d::Zero());
+  processAt(&rough, scene.points, Vector3d::Zero());
+  EXPECT_GT(smooth.report().stage_ms[static_cast<int>(Stage::kSmooth)], 0.01);
+  EXPECT_LT(rough.report().stage_ms[static_cast<int>(Stage::kSmooth)], 0.01);
+  EXPECT_GT(smooth.report().memory_bytes, rough.report().memory_bytes);
+  // Leaves, of which some are taken for something else.
+  const double before = shareOf(rough, 21000, 25000, kScatterLabel);
+  EXPECT_LT(before, 1.0);
+  EXPECT_GT(shareOf(smooth, 21000, 25000, kScatterLabel), before);
+  EXPECT_EQ(smooth.report().label_counts[kUnknownLabel],
+            rough.report().label_counts[kUnknownLabel]);
+  ASSERT_EQ(listVoxels(smooth.map()).size(), listVoxels(rough.map()).size());
+  for (const auto& [voxel, slot] : listVoxels(smooth.map())) {
+    ASSERT_NO_FATAL_FAILURE(expectSame(smooth.saliency(slot), rough.saliency(slot)));
+  }
+}
+
+TEST(TerrainPipeline, UpdatingAllVoxelsChangesNothing) {
+  for (const bool smooth : {true, false}) {
+    TerrainConfig config;
+    config.smooth_labels = smooth;
+    config.threads = 2;
+    TerrainPipeline pipeline(config, handModel());
+    TerrainPipeline updated(config, handModel());
+    updated.updateAllVoxels();  // of an empty map
+    for (int scan = 0; scan < 3; ++scan) {
+      const Vector3d place(1.3 * scan, -0.4 * scan, 0.1 * scan);
+      processAt(&pipeline, MixedScene(scan).points, place);
+      processAt(&updated, MixedScene(scan).points, place);
+      updated.updateAllVoxels();
+      ASSERT_NO_FATAL_FAILURE(expectSameVoxels(pipeline, updated));
+    }
+  }
+}
+
 TEST(TerrainPipeline, TheMapIsCentredOnTheVehicle) {
   TerrainConfig config;
   TerrainPipeline pipeline(config, handModel());
@@ -425,6 +470,7 @@ TEST(Names, OfDropsAndStagesAreUnique) {
   std::set<std::string> names;
   for (int i = 0; i < kPointDrops; ++i) names.insert(pointDropName(static_cast<PointDrop>(i)));
   for (int i = 0; i < kStages; ++i) names.insert(stageName(static_cast<Stage>(i)));
+  EXPECT_STREQ(stageName(Stage::kSmooth), "smooth");
   EXPECT_EQ(names.size(), static_cast<std::size_t>(kPointDrops + kStages));
   EXPECT_EQ(names.count(""), 0U);
 }

@@ -30,7 +30,7 @@ inline ClassifierModel handModel() {
   ClassifierModel model;
   model.voxel_size_m = 0.1;
   model.support_radius_voxels = 4;
-  model.features = {Feature::kCbrtScatter, Feature::kCbrtSurface, Feature::kCbrtLinear};
+  model.features = {{Quantity::kCbrtScatter}, {Quantity::kCbrtSurface}, {Quantity::kCbrtLinear}};
   const std::vector<double> deviation = {0.12, 0.12, 0.12};
   model.classes = {{"surface", 0xff0000, 1.0, {gaussian(1.0, {0.05, 0.4, 0.2}, deviation)}},
                    {"scatter", 0x00ff00, 1.0, {gaussian(1.0, {0.4, 0.15, 0.2}, deviation)}},

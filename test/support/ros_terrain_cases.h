@@ -153,7 +153,7 @@ TEST_F(TerrainCases, StatisticsAddUp) {
   EXPECT_GT(s.latency_p50_ms, 0.0);
   EXPECT_LE(s.latency_p50_ms, s.latency_p99_ms);
   EXPECT_LE(s.latency_p99_ms, s.latency_max_ms);
-  EXPECT_EQ(s.stages.size(), 5U);
+  EXPECT_EQ(s.stages.size(), 6U);
   EXPECT_GT(s.occupied_voxels, 3000U);
   EXPECT_GT(s.memory_bytes, s.occupied_voxels * 64U);
 }

@@ -60,8 +60,8 @@ inline std::vector<Eigen::Vector3d> leafPoints(TestRandom* random, int count) {
 struct MixedScene {
   explicit MixedScene(int seed = 1) {
     TestRandom random(seed);
-    for (const auto& part : {groundPoints(&random, 20000), wirePoints(&random, 1000),
-                             leafPoints(&random, 4000)}) {
+    for (const auto& part :
+         {groundPoints(&random, 20000), wirePoints(&random, 1000), leafPoints(&random, 4000)}) {
       points.insert(points.end(), part.begin(), part.end());
     }
   }
@@ -77,8 +77,8 @@ inline const ScanReport& processPoints(TerrainPipeline* pipeline, const CloudBui
   std::string error;
   const CloudView view = cloud.view();
   const auto fields = findPointFields(view, &error);
-  return pipeline->process(view, *fields, time_offsets_s, SensorMotion(T_map_sensor),
-                           p_map_vehicle, stamp_s);
+  return pipeline->process(view, *fields, time_offsets_s, SensorMotion(T_map_sensor), p_map_vehicle,
+                           stamp_s);
 }
 
 /// A sensor without rotation at the vehicle's place.
@@ -88,6 +88,20 @@ inline const ScanReport& processAt(TerrainPipeline* pipeline,
   Eigen::Isometry3d T_map_sensor = Eigen::Isometry3d::Identity();
   T_map_sensor.translation() = p_map_vehicle;
   return processPoints(pipeline, xyzCloud(p_sensor), T_map_sensor, p_map_vehicle, {}, stamp_s);
+}
+
+/// Points given in the map frame, to the step, seen from far below the vehicle, so that none is too
+/// near.
+inline const ScanReport& processInMap(TerrainPipeline* pipeline,
+                                      const std::vector<Eigen::Vector3d>& p_map,
+                                      const Eigen::Vector3d& p_map_vehicle) {
+  Eigen::Isometry3d T_map_sensor = Eigen::Isometry3d::Identity();
+  T_map_sensor.translation() = p_map_vehicle - Eigen::Vector3d(0, 0, 16);
+  std::vector<Eigen::Vector3d> p_sensor;
+  for (const Eigen::Vector3d& p : p_map) {
+    p_sensor.push_back(stepMiddle(p) - T_map_sensor.translation());
+  }
+  return processPoints(pipeline, xyzCloud(p_sensor), T_map_sensor, p_map_vehicle);
 }
 
 }  // namespace ladar_perception::test
