@@ -281,9 +281,10 @@ const std::vector<FeatureSet>& featureSets() {
        "saliencies, and the angles of normal and tangent",
        {"cbrt_scatter", "cbrt_surface", "cbrt_linear", "normal_angle", "tangent_angle"}},
       {"standard",
-       "what holds on scenes and sensors that were not learned from",
-       {"spread_angle", "horizontal_ratio", "log_fill@1", "cbrt_surface", "cbrt_scatter",
-        "normal_angle", "log_ground_height@20"}},
+       "shape at two sizes, fill of the columns and height over the ground near and far",
+       {"spread_angle", "horizontal_ratio", "cbrt_surface", "scatter_ratio", "normal_angle",
+        "spread_angle@4", "scatter_ratio@4", "log_fill@1", "log_fill@3", "log_ground_height@5",
+        "log_height@10", "log_height@40"}},
   };
   return kSets;
 }

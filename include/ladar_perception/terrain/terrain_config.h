@@ -17,7 +17,7 @@ struct TerrainConfig {
   double map_size_y_m = 20.0;
   double map_size_z_m = 3.0;
   double map_center_height_m = 0.5;
-  int support_radius_voxels = 4;
+  int support_radius_voxels = 6;
   std::string support_kernel = "box";
   int min_support_points = 3;
   bool smooth_labels = true;
