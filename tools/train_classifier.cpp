@@ -19,7 +19,7 @@ struct Options {
   LabelledSourceOptions source;
   std::string output;
   std::string report;
-  std::string config;
+  std::vector<std::string> configs = {""};
   std::vector<std::string> features = {"standard"};
   std::vector<std::string> passes;
   std::string components = "auto";
@@ -36,9 +36,11 @@ void addOptions(CLI::App* app, Options* o) {
   o->source.addTo(app);
   app->add_option("--out", o->output, "model file to write")->required();
   app->add_option("--report", o->report, "folder to write report.json and pictures to");
-  app->add_option("--config", o->config,
+  app->add_option("--config", o->configs,
                   "parameters, as config/terrain.yaml: voxels, supports and the map of streams and "
-                  "bags");
+                  "bags; of several, separated by commas, every input goes through each")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   app->add_option("--features", o->features,
                   "names of features and of sets of them, separated by commas")
       ->delimiter(',')
@@ -141,9 +143,27 @@ struct Collected {
   std::vector<SampleCollector> folds;
 };
 
-void collect(const LabelledSource& source, const Options& options, const TerrainNodeConfig& config,
-             const ClassifierModel& frame, Collected* collected) {
-  const std::vector<Pass> wanted = parsePasses(options.passes);
+/// A pass over a file with one of the configurations.
+struct Run {
+  Pass pass;
+  const TerrainNodeConfig* config;
+};
+
+/// Every pass, with every configuration that makes a difference to it.
+std::vector<Run> runsOf(const LabelledFile& file, const Options& options,
+                        const std::vector<TerrainNodeConfig>& configs) {
+  std::vector<Run> runs;
+  for (const Pass pass : passesOf(file, parsePasses(options.passes))) {
+    for (const TerrainNodeConfig& config : configs) {
+      if (pass != Pass::kWhole || &config == &configs.front()) runs.push_back({pass, &config});
+    }
+  }
+  return runs;
+}
+
+void collect(const LabelledSource& source, const Options& options,
+             const std::vector<TerrainNodeConfig>& configs, const ClassifierModel& frame,
+             Collected* collected) {
   const std::size_t files = fileCount(source);
   std::size_t number = 0;
   for (const LabelledInput& input : source.inputs()) {
@@ -153,9 +173,9 @@ void collect(const LabelledSource& source, const Options& options, const Terrain
     for (const LabelledFile& file : input.files) {
       collected->all.beginFile();
       for (SampleCollector& fold : collected->folds) fold.beginFile();
-      for (const Pass pass : passesOf(file, wanted)) {
+      for (const Run& run : runsOf(file, options, configs)) {
         source.forEachLabelledScan(
-            file, pass, config, frame,
+            file, run.pass, *run.config, frame,
             [&](const TerrainPipeline& pipeline, const std::vector<double>& truth) {
               collected->all.add(pipeline, truth);
               for (std::size_t f = 0; f < kFolds; ++f) {
@@ -174,10 +194,9 @@ void collect(const LabelledSource& source, const Options& options, const Terrain
 /// Calibrates the model on what models of the same kind, each learned from the other fold, say of
 /// every fold. Returns why it could not be done, or "".
 std::string calibrate(const LabelledSource& source, const Options& options,
-                      TerrainNodeConfig config, const Collected& collected,
+                      std::vector<TerrainNodeConfig> configs, const Collected& collected,
                       const TrainerOptions& trainer, ClassifierModel* model) {
-  config.pipeline.smooth_labels = true;
-  const std::vector<Pass> wanted = parsePasses(options.passes);
+  for (TerrainNodeConfig& config : configs) config.pipeline.smooth_labels = true;
   const std::size_t files = fileCount(source);
   Calibrator calibrator(model->classes.size());
   for (std::size_t f = 0; f < kFolds; ++f) {
@@ -190,10 +209,10 @@ std::string calibrate(const LabelledSource& source, const Options& options,
     std::size_t number = 0;
     for (const LabelledInput& input : source.inputs()) {
       for (const LabelledFile& file : input.files) {
-        for (const Pass pass : passesOf(file, wanted)) {
+        for (const Run& run : runsOf(file, options, configs)) {
           if (files > 1 && number % kFolds != f) continue;
           source.forEachLabelledScan(
-              file, pass, config, other,
+              file, run.pass, *run.config, other,
               [&](const TerrainPipeline& pipeline, const std::vector<double>& truth) {
                 calibrator.add(pipeline, truthOfFold(pipeline, truth, f, number, files));
               });
@@ -236,7 +255,10 @@ void printTraining(const Training& training) {
 }
 
 void train(const Options& options) {
-  const TerrainNodeConfig config = readTerrainNodeConfigFile(options.config);
+  std::vector<TerrainNodeConfig> configs;
+  for (const std::string& path : options.configs) {
+    configs.push_back(readTerrainNodeConfigFile(path));
+  }
   const std::vector<Feature> features = featuresOf(options);
   const LabelledSource source(options.source);
   std::unique_ptr<ReportFolder> report;
@@ -247,14 +269,22 @@ void train(const Options& options) {
       source.mapping() ? source.mapping()->names : terrainClassNames();
   const std::vector<uint32_t> colors =
       source.mapping() ? source.mapping()->colors : classColors(names, {});
-  ClassifierModel frame = modelFrame(names, colors, features, config.pipeline);
+  ClassifierModel frame = modelFrame(names, colors, features, configs.front().pipeline);
+  for (std::size_t i = 1; i < configs.size(); ++i) {
+    const TerrainConfig& other = configs[i].pipeline;
+    const std::string misfit = modelMisfit(frame, other.voxel_size_m, other.support_radius_voxels,
+                                           other.support_kernel);
+    if (misfit.empty()) continue;
+    throw std::runtime_error(options.configs[i] + ": does not go with " + options.configs[0] +
+                             ": " + misfit);
+  }
   Collected collected(frame, options);
-  collect(source, options, config, frame, &collected);
+  collect(source, options, configs, frame, &collected);
   addProvenance(options, &frame);
   const TrainerOptions trainer = trainerOptions(options);
   Training training = trainClassifier(collected.all, frame, trainer);
   const std::string uncalibrated =
-      calibrate(source, options, config, collected, trainer, &training.model);
+      calibrate(source, options, configs, collected, trainer, &training.model);
   if (!uncalibrated.empty()) {
     std::fprintf(stderr, "warning: the model is not calibrated: %s\n", uncalibrated.c_str());
   }
