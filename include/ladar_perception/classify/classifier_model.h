@@ -30,7 +30,7 @@ struct ModelClass {
 /// support volume depend on one another more than a mixture knows, so bare posteriors are too sure,
 /// and mean posteriors of a neighbourhood favour what is bulky. Empty lists of offsets are zeros.
 struct Calibration {
-  static constexpr int kMaxSmoothingRadius = 8;
+  static constexpr int kMaxSmoothingRadius = 12;
 
   /// A class's probability is proportional to prior (likelihood)^(1 / temperature) e^offset.
   double temperature = 1.0;
@@ -41,7 +41,7 @@ struct Calibration {
   /// posteriors in cubes of these radii, times e^offset.
   struct Smoothing {
     double temperature = 2.0;
-    std::vector<int> radii_voxels = {3, 8};
+    std::vector<int> radii_voxels = {4, 12};
     std::vector<double> exponents = {0.2, 0.5, 1.0};  ///< of the voxel's own, then by radius
     std::vector<double> offsets;                      ///< by class
   };

@@ -11,7 +11,7 @@
 
 namespace ladar_perception {
 
-/// What a probability of 1 is. Sums over 17^3 voxels stay below 2^31.
+/// What a probability of 1 is. Sums over 25^3 voxels stay below 2^31.
 constexpr uint32_t kPosteriorUnit = 65535;
 
 /// Probabilities of up to kClasses classes, all 0 for a voxel of which nothing is known.
