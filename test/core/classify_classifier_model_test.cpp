@@ -27,9 +27,8 @@ ClassifierModel richModel() {
   model.unknown_log_likelihood = -12.5;
   model.features = parseFeatures({"spread_angle@3x15", "log_height@40", "cbrt_linear@6"});
   model.calibration.temperature = 1.0 / 3;
-  model.calibration.smoothing_radius_voxels = 8;
-  model.calibration.smoothing_temperature = 12.5;
-  model.calibration.smoothing_sharpness = 0.75;
+  model.calibration.offsets = {0.5, -1.0 / 3, 0.0};
+  model.calibration.smoothing = {12.5, {8, 1, 5}, {0.75, 0.0, 2.5, 1e-3}, {-7.0, 0.125, 2e-6}};
   model.provenance = {{"source", "campus: seed 7, \"noisy\"\nsecond line"}, {"points", "123"}};
   return model;
 }
@@ -102,12 +101,18 @@ TEST(ClassifierModel, FileRoundTripKeepsEveryValue) {
   const ClassifierModel loaded = parseClassifierModel(formatClassifierModel(model), "m.yaml");
   EXPECT_EQ(loaded.features, model.features);
   EXPECT_EQ(loaded.voxel_size_m, 0.1);
-  EXPECT_EQ(loaded.support_radius_voxels, 4);
+  EXPECT_EQ(loaded.support_radius_voxels, 6);
   EXPECT_EQ(loaded.unknown_log_likelihood, -12.5);
   EXPECT_NEAR(loaded.calibration.temperature, 1.0 / 3, 1e-9);
-  EXPECT_EQ(loaded.calibration.smoothing_radius_voxels, 8);
-  EXPECT_EQ(loaded.calibration.smoothing_temperature, 12.5);
-  EXPECT_EQ(loaded.calibration.smoothing_sharpness, 0.75);
+  ASSERT_EQ(loaded.calibration.offsets.size(), 3U);
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_NEAR(loaded.calibration.offsets[c], model.calibration.offsets[c], 1e-9);
+  }
+  const Calibration::Smoothing& smoothing = loaded.calibration.smoothing;
+  EXPECT_EQ(smoothing.temperature, 12.5);
+  EXPECT_EQ(smoothing.radii_voxels, (std::vector<int>{8, 1, 5}));
+  EXPECT_EQ(smoothing.exponents, (std::vector<double>{0.75, 0.0, 2.5, 1e-3}));
+  EXPECT_EQ(smoothing.offsets, (std::vector<double>{-7.0, 0.125, 2e-6}));
   EXPECT_EQ(loaded.provenance, model.provenance);
   ASSERT_EQ(loaded.classes.size(), model.classes.size());
   for (std::size_t c = 0; c < model.classes.size(); ++c) {
@@ -143,7 +148,7 @@ TEST(ClassifierModel, EveryMissingKeyIsNamed) {
   }
   expectParseError("    prior: 1\n", "", {"'prior' is missing"});
   expectParseError("    color: [255, 0, 0]\n", "", {"'color' is missing"});
-  expectParseError("- weight: 1\n        mean: [0.05, 0.4, 0.2]\n", "- weight: 1\n",
+  expectParseError("- weight: 1\n        mean: [0.06, 0.51, 0.26]\n", "- weight: 1\n",
                    {"'mean' is missing"});
 }
 
@@ -162,7 +167,7 @@ TEST(ClassifierModel, WrongTypesSayWhatIsExpected) {
   expectParseError("voxel_size_m: 0.1", "voxel_size_m: big", {"'voxel_size_m' must be a number"});
   expectParseError("voxel_size_m: 0.1", "voxel_size_m: [1]", {"'voxel_size_m'", "a number"});
   expectParseError("voxel_size_m: 0.1", "voxel_size_m: -0.1", {"voxel_size_m", "> 0"});
-  expectParseError("support_radius_voxels: 4", "support_radius_voxels: 4.5",
+  expectParseError("support_radius_voxels: 6", "support_radius_voxels: 6.5",
                    {"'support_radius_voxels' must be an integer"});
   expectParseError("unknown_log_likelihood: -.inf", "unknown_log_likelihood: none",
                    {"'unknown_log_likelihood' must be a number"});
@@ -172,7 +177,7 @@ TEST(ClassifierModel, WrongTypesSayWhatIsExpected) {
   expectParseError("[255, 0, 0]", "[256, 0, 0]", {"0 to 255"});
   expectParseError("prior: 1", "prior: 0", {"'prior' must be positive"});
   expectParseError("prior: 1", "prior: .nan", {"'prior' must be positive"});
-  expectParseError("[0.05, 0.4, 0.2]", "[0.05, x, 0.2]", {"'mean' must be a list of numbers"});
+  expectParseError("[0.06, 0.51, 0.26]", "[0.06, x, 0.26]", {"'mean' must be a list of numbers"});
   expectParseError("features:\n", "features: 3\nx:\n", {"x"});
   expectParseError("  \"source\": \"made by hand for tests\"", "  - text", {"'provenance'"});
 }
@@ -194,46 +199,98 @@ TEST(ClassifierModel, FilesFromBeforeCalibrationAreOnesThatNeverHadIt) {
   const Calibration loaded = parseClassifierModel(text, "m.yaml").calibration;
   const Calibration none;
   EXPECT_EQ(loaded.temperature, 1.0);
-  EXPECT_EQ(loaded.smoothing_radius_voxels, none.smoothing_radius_voxels);
-  EXPECT_EQ(loaded.smoothing_temperature, none.smoothing_temperature);
-  EXPECT_EQ(loaded.smoothing_sharpness, none.smoothing_sharpness);
+  EXPECT_TRUE(loaded.offsets.empty());
+  EXPECT_EQ(loaded.smoothing.temperature, none.smoothing.temperature);
+  EXPECT_EQ(loaded.smoothing.radii_voxels, none.smoothing.radii_voxels);
+  EXPECT_EQ(loaded.smoothing.exponents, none.smoothing.exponents);
+  EXPECT_TRUE(loaded.smoothing.offsets.empty());
 }
 
-TEST(ClassifierModel, CalibrationErrorsNameLineAndKey) {
-  // In the file of handModel: calibration stands in line 11, its keys in the next.
+TEST(ClassifierModel, OffsetsThatAreNotGivenAreWrittenAsZeros) {
+  const ClassifierModel loaded =
+      parseClassifierModel(formatClassifierModel(handModel()), "m.yaml");
+  EXPECT_EQ(loaded.calibration.offsets, std::vector<double>(3, 0.0));
+  EXPECT_EQ(loaded.calibration.smoothing.offsets, std::vector<double>(3, 0.0));
+}
+
+// In the file of handModel calibration stands in line 11: temperature, offsets, smoothing, and of
+// the latter temperature, radii_voxels, exponents and offsets follow, a line each.
+
+TEST(ClassifierModel, TemperatureErrorsNameLineAndKey) {
+  const std::string plain = "calibration:\n  temperature: ";
+  const std::string smoothing = "smoothing:\n    temperature: ";
   expectParseError("  temperature: 1\n", "", {":12:", "'temperature' is missing"});
-  expectParseError("  temperature: 1\n", "  temperature: hot\n",
-                   {":12:", "'temperature' must be a number"});
-  for (const char* value : {"0", "-1", ".nan", ".inf", "1e-60", "0.0009", "1001"}) {
-    const std::string from = "calibration:\n  temperature: 1\n";
-    expectParseError(from, "calibration:\n  temperature: " + std::string(value) + "\n",
+  expectParseError("    temperature: 2\n", "", {":15:", "'temperature' is missing"});
+  expectParseError(plain + "1\n", plain + "hot\n", {":12:", "'temperature' must be a number"});
+  for (const std::string value : {"0", "-1", ".nan", ".inf", "1e-60", "0.0009", "1001"}) {
+    expectParseError(plain + "1\n", plain + value + "\n",
                      {":12:", "'temperature' must be 0.001 to 1000"});
-    expectParseError("    temperature: 2\n", "    temperature: " + std::string(value) + "\n",
+    expectParseError(smoothing + "2\n", smoothing + value + "\n",
                      {":15:", "'temperature' must be 0.001 to 1000"});
-    expectParseError("sharpness: 1\n", "sharpness: " + std::string(value) + "\n",
-                     {":16:", "'sharpness' must be 0.001 to 1000"});
   }
-  for (const char* value : {"0", "9", "-3"}) {
-    expectParseError("radius_voxels: 5\n", "radius_voxels: " + std::string(value) + "\n",
-                     {":14:", "'radius_voxels' must be 1 to 8"});
+  expectParseError("calibration:\n", "calibration:\n  heat: 3\n",
+                   {":12:", "unknown key 'heat'"});
+}
+
+TEST(ClassifierModel, SmoothingErrorsNameLineAndKey) {
+  const std::string radii = "radii_voxels: [3, 8]\n";
+  for (const std::string value : {"[0, 8]", "[3, 9]", "[-3]"}) {
+    expectParseError(radii, "radii_voxels: " + value + "\n", {":16:", "radii must be 1 to 8"});
   }
-  expectParseError("radius_voxels: 5\n", "radius_voxels: 2.5\n",
-                   {":14:", "'radius_voxels' must be an integer"});
-  expectParseError("    radius_voxels: 5\n", "", {"'radius_voxels' is missing"});
-  expectParseError("    sharpness: 1\n", "", {"'sharpness' is missing"});
-  expectParseError("    sharpness: 1\n", "    sharpness: 1\n    width: 3\n",
-                   {":17:", "unknown key 'width'"});
-  expectParseError("calibration:\n", "calibration:\n  heat: 3\n", {":12:", "unknown key 'heat'"});
-  expectParseError("  smoothing:\n", "  smoothing: none\nx:\n", {"x"});
+  expectParseError(radii, "radii_voxels: []\n", {":16:", "expected a radius"});
+  for (const std::string value : {"[2.5, 8]", "5", "[a]", "{a: 3}"}) {
+    expectParseError(radii, "radii_voxels: " + value + "\n",
+                     {":16:", "'radii_voxels' must be a list of integers"});
+  }
+  expectParseError("    " + radii, "", {":15:", "'radii_voxels' is missing"});
+  const std::string exponents = "exponents: [0.2, 0.5, 1]\n";
+  for (const std::string value :
+       {"[]", "[0.2, 0.5]", "[1, 1, 1, 1]", "[0.2, .nan, 1]", "[0.2, .inf, 1]"}) {
+    expectParseError(exponents, "exponents: " + value + "\n",
+                     {":17:", "'exponents' must be 3 numbers"});
+  }
+  // An exponent for the voxel's own and one for each radius.
+  expectParseError(radii, "radii_voxels: [3, 8, 5]\n", {":17:", "'exponents' must be 4 numbers"});
+  for (const std::string value : {"0.5", "[0.2, x, 1]"}) {
+    expectParseError(exponents, "exponents: " + value + "\n",
+                     {":17:", "'exponents' must be a list of numbers"});
+  }
+  expectParseError("    " + exponents, "", {":15:", "'exponents' is missing"});
+  expectParseError(exponents, exponents + "    width: 3\n", {":18:", "unknown key 'width'"});
+}
+
+TEST(ClassifierModel, OffsetErrorsNameLineAndKey) {
+  struct Place {
+    std::string indent;
+    const char* line;
+    const char* line_of_map;
+  };
+  // After a temperature, and after exponents.
+  for (const Place& place :
+       {Place{"  temperature: 1\n  ", ":13:", ":12:"}, Place{"1]\n    ", ":18:", ":15:"}}) {
+    const std::string offsets = place.indent + "offsets: ";
+    for (const std::string value :
+         {"[]", "[0, 0]", "[0, 0, 0, 0]", "[0, .inf, 0]", "[0, 0, .nan]"}) {
+      expectParseError(offsets + "[0, 0, 0]", offsets + value,
+                       {place.line, "'offsets' must be 3 numbers"});
+    }
+    expectParseError(offsets + "[0, 0, 0]", offsets + "[0, a, 0]",
+                     {place.line, "'offsets' must be a list of numbers"});
+    const std::string before = place.indent.substr(0, place.indent.find('\n') + 1);
+    expectParseError(offsets + "[0, 0, 0]\n", before,
+                     {place.line_of_map, "'offsets' is missing"});
+  }
 }
 
 TEST(ClassifierModel, CalibrationMustBeAMap) {
   const std::string text = withoutKey(formatClassifierModel(handModel()), "calibration");
-  for (const char* value : {"", " 3", " [1, 2]", "\n  temperature: 1\n  smoothing: 3"}) {
+  const std::string alone = "\n  temperature: 1\n  offsets: [0, 0, 0]";
+  for (const std::string& value :
+       {std::string(), std::string(" 3"), std::string(" [1, 2]"), alone + "\n  smoothing: 3"}) {
     const std::string error = parseError(text + "calibration:" + value + "\n");
     EXPECT_NE(error.find("expected a map"), std::string::npos) << error;
   }
-  const std::string error = parseError(text + "calibration:\n  temperature: 1\n");
+  const std::string error = parseError(text + "calibration:" + alone + "\n");
   EXPECT_NE(error.find("'smoothing' is missing"), std::string::npos) << error;
 }
 
@@ -243,12 +300,12 @@ TEST(ClassifierModel, AThresholdThatIsNoNumberIsRefused) {
 }
 
 TEST(ClassifierModel, MixturesMustBeMixtures) {
-  expectParseError("[0.0144, 0, 0]", "[-0.0144, 0, 0]", {"'surface'", "positive definite"});
-  expectParseError("[0.0144, 0, 0]", "[0.0144, 0.1, 0]", {"'surface'", "symmetric"});
-  expectParseError("[0.0144, 0, 0]", "[0.0144, 0]", {"covariance must be 3 x 3"});
-  expectParseError("          - [0.0144, 0, 0]\n", "", {"covariance must be 3 x 3"});
-  expectParseError("[0.0144, 0, 0]", "[.nan, 0, 0]", {"'surface'", "finite"});
-  expectParseError("[0.05, 0.4, 0.2]", "[0.05, 0.4]", {"'surface'", "mean must have 3"});
+  expectParseError("[0.0225, 0, 0]", "[-0.0225, 0, 0]", {"'surface'", "positive definite"});
+  expectParseError("[0.0225, 0, 0]", "[0.0225, 0.1, 0]", {"'surface'", "symmetric"});
+  expectParseError("[0.0225, 0, 0]", "[0.0225, 0]", {"covariance must be 3 x 3"});
+  expectParseError("          - [0.0225, 0, 0]\n", "", {"covariance must be 3 x 3"});
+  expectParseError("[0.0225, 0, 0]", "[.nan, 0, 0]", {"'surface'", "finite"});
+  expectParseError("[0.06, 0.51, 0.26]", "[0.06, 0.51]", {"'surface'", "mean must have 3"});
   expectParseError("weight: 1", "weight: 0.5", {"'surface'", "weights sum to 0.5"});
   expectParseError("weight: 1", "weight: -1", {"'surface'", "weight must be positive"});
 }
@@ -297,14 +354,14 @@ TEST(ClassifierModel, NoYamlNoMapNoFile) {
 
 TEST(ModelMisfit, NamesWhatDiffers) {
   const ClassifierModel model = handModel();
-  EXPECT_EQ(modelMisfit(model, 0.1, 4), "");
-  EXPECT_EQ(modelMisfit(model, 0.1 + 1e-9, 4), "");
-  EXPECT_EQ(modelMisfit(model, 0.2, 4),
+  EXPECT_EQ(modelMisfit(model, 0.1, 6), "");
+  EXPECT_EQ(modelMisfit(model, 0.1 + 1e-9, 6), "");
+  EXPECT_EQ(modelMisfit(model, 0.2, 6),
             "it was learned at voxel_size_m 0.1, the configuration has 0.2");
   EXPECT_EQ(modelMisfit(model, 0.1, 3),
-            "it was learned at support_radius_voxels 4, the configuration has 3");
-  const std::string both = modelMisfit(model, 0.05, 6);
-  EXPECT_NE(both.find("0.05; it was learned at support_radius_voxels 4"), std::string::npos)
+            "it was learned at support_radius_voxels 6, the configuration has 3");
+  const std::string both = modelMisfit(model, 0.05, 5);
+  EXPECT_NE(both.find("0.05; it was learned at support_radius_voxels 6"), std::string::npos)
       << both;
 }
 

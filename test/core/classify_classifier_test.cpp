@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "hand_model.h"
 #include "ladar_perception/classify/classifier.h"
@@ -156,13 +157,14 @@ FeatureBlock lineValues(TestRandom* random) {
   return block;
 }
 
-/// Priors times likelihoods to the power of 1 / temperature, in double precision.
+/// Priors times likelihoods to the power of 1 / temperature and e^offset, in double precision.
 std::vector<double> expectedPosterior(const std::vector<double>& means,
                                       const std::vector<double>& priors, double x,
-                                      double temperature) {
+                                      double temperature, const std::vector<float>& offsets) {
   std::vector<double> log_joint;
   for (std::size_t c = 0; c < means.size(); ++c) {
-    log_joint.push_back((std::log(priors[c]) - 0.5 * std::pow(x - means[c], 2)) / temperature);
+    log_joint.push_back(std::log(priors[c]) - 0.5 * std::pow(x - means[c], 2) / temperature +
+                        (offsets.empty() ? 0.0F : offsets[c]));
   }
   const double greatest = *std::max_element(log_joint.begin(), log_joint.end());
   double sum = 0.0;
@@ -196,29 +198,37 @@ double sumOf(const PosteriorBlock& block, std::size_t classes, int i) {
 TEST_P(AnyClasses, PosteriorsFollowBayesAtAnyTemperature) {
   const Classifier classifier(model());
   EXPECT_EQ(classifier.classes(), classes());
+  std::vector<float> offsets;
+  for (std::size_t c = 0; c < classes(); ++c) {
+    offsets.push_back(static_cast<float>(random_.real(-3.0, 3.0)));
+  }
   for (const double temperature : {0.25, 1.0, 1.7, 8.0, 100.0}) {
     const FeatureBlock values = lineValues(&random_);
-    PosteriorBlock posterior;
-    classifier.posteriors(values, static_cast<float>(temperature), &posterior);
-    for (int i = 0; i < kSize; ++i) {
-      const auto expected = expectedPosterior(means_, priors_, values.row(0)[i], temperature);
-      for (std::size_t c = 0; c < classes(); ++c) {
-        ASSERT_NEAR(posterior.probability[c][i], expected[c], 1e-4 / temperature + 2e-6);
-        ASSERT_GE(posterior.probability[c][i], 0.0F);
+    for (const std::vector<float>& added : {std::vector<float>(), offsets}) {
+      PosteriorBlock posterior;
+      classifier.posteriors(values, static_cast<float>(temperature),
+                            added.empty() ? nullptr : added.data(), &posterior);
+      for (int i = 0; i < kSize; ++i) {
+        const auto expected =
+            expectedPosterior(means_, priors_, values.row(0)[i], temperature, added);
+        for (std::size_t c = 0; c < classes(); ++c) {
+          ASSERT_NEAR(posterior.probability[c][i], expected[c], 1e-4 / temperature + 2e-6);
+          ASSERT_GE(posterior.probability[c][i], 0.0F);
+        }
+        ASSERT_NEAR(sumOf(posterior, classes(), i), 1.0, 1e-6);
+        ASSERT_EQ(posterior.known[i], 1U);
       }
-      ASSERT_NEAR(sumOf(posterior, classes(), i), 1.0, 1e-6);
-      ASSERT_EQ(posterior.known[i], 1U);
     }
   }
 }
 
 TEST_P(AnyClasses, TemperatureFlattensAndKeepsTheOrder) {
-  const Classifier classifier(model());
+  const Classifier classifier(lineModel(means_, std::vector<double>(classes(), 1.0)));
   const FeatureBlock values = lineValues(&random_);
   std::vector<Classification> before;
   for (const float temperature : {0.1F, 0.5F, 1.0F, 2.0F, 10.0F, 1000.0F}) {
     PosteriorBlock posterior;
-    classifier.posteriors(values, temperature, &posterior);
+    classifier.posteriors(values, temperature, nullptr, &posterior);
     std::vector<Classification> chosen(kSize);
     classifier.choose(posterior, kSize, chosen.data());
     for (int i = 0; i < kSize && !before.empty(); ++i) {
@@ -235,28 +245,40 @@ TEST_P(AnyClasses, TemperatureFlattensAndKeepsTheOrder) {
   }
 }
 
-TEST_P(AnyClasses, SharpeningRaisesToAPower) {
+TEST_P(AnyClasses, AtHighTemperaturesThePriorsDecide) {
   const Classifier classifier(model());
   PosteriorBlock posterior;
-  classifier.posteriors(lineValues(&random_), 4.0F, &posterior);
-  for (const float sharpness : {0.3F, 1.0F, 1.4F, 3.0F}) {
-    PosteriorBlock sharpened = posterior;
-    classifier.sharpen(sharpness, &sharpened);
+  classifier.posteriors(lineValues(&random_), 1e6F, nullptr, &posterior);
+  const double sum = std::accumulate(priors_.begin(), priors_.end(), 0.0);
+  for (int i = 0; i < kSize; ++i) {
+    for (std::size_t c = 0; c < classes(); ++c) {
+      ASSERT_NEAR(posterior.probability[c][i], priors_[c] / sum, 1e-3);
+    }
+  }
+}
+
+TEST_P(AnyClasses, NormalizingMakesProbabilitiesOfLogarithms) {
+  const Classifier classifier(model());
+  for (const float common : {0.0F, -700.0F, 90.0F}) {
+    PosteriorBlock block = {};
+    std::vector<std::vector<double>> logs(kSize);
     for (int i = 0; i < kSize; ++i) {
+      block.known[i] = i % 3;
+      for (std::size_t c = 0; c < classes(); ++c) {
+        block.probability[c][i] = common + static_cast<float>(random_.real(-30.0, 0.0));
+        logs[i].push_back(block.probability[c][i]);
+      }
+    }
+    classifier.normalize(&block);
+    for (int i = 0; i < kSize; ++i) {
+      const double greatest = *std::max_element(logs[i].begin(), logs[i].end());
       double sum = 0.0;
+      for (const double log : logs[i]) sum += std::exp(log - greatest);
       for (std::size_t c = 0; c < classes(); ++c) {
-        sum += std::pow(std::max(posterior.probability[c][i], 1e-6F), sharpness);
+        ASSERT_NEAR(block.probability[c][i], std::exp(logs[i][c] - greatest) / sum, 2e-6);
       }
-      for (std::size_t c = 0; c < classes(); ++c) {
-        const double power = std::pow(std::max(posterior.probability[c][i], 1e-6F), sharpness);
-        ASSERT_NEAR(sharpened.probability[c][i], power / sum, 5e-6);
-        if (sharpness == 1.0F) {
-          // As it was, but for those that were 0.
-          ASSERT_NEAR(sharpened.probability[c][i], posterior.probability[c][i], 1e-5);
-        }
-      }
-      ASSERT_NEAR(sumOf(sharpened, classes(), i), 1.0, 1e-6);
-      ASSERT_EQ(sharpened.known[i], posterior.known[i]);
+      ASSERT_NEAR(sumOf(block, classes(), i), 1.0, 1e-6);
+      ASSERT_EQ(block.known[i], static_cast<uint32_t>(i % 3));
     }
   }
 }
@@ -284,15 +306,21 @@ TEST_P(AnyClasses, TheFirstOfEqualsIsChosen) {
   }
 }
 
-TEST_P(AnyClasses, ClassifyingIsChoosingAtTheModelsTemperature) {
+TEST_P(AnyClasses, ClassifyingIsChoosingByTheModelsCalibration) {
   ClassifierModel model = this->model();
   model.calibration.temperature = 2.5;
-  model.calibration.smoothing_temperature = 77.0;
+  std::vector<float> offsets;
+  for (std::size_t c = 0; c < classes(); ++c) {
+    offsets.push_back(0.25F * static_cast<float>(c % 4));
+    model.calibration.offsets.push_back(offsets.back());
+  }
+  model.calibration.smoothing.temperature = 77.0;
+  model.calibration.smoothing.offsets.assign(classes(), -5.0);
   model.unknown_log_likelihood = -8.0;
   const Classifier classifier(model);
   const FeatureBlock values = lineValues(&random_);
   PosteriorBlock posterior;
-  classifier.posteriors(values, 2.5F, &posterior);
+  classifier.posteriors(values, 2.5F, offsets.data(), &posterior);
   Classification expected[kSize];
   Classification found[kSize];
   classifier.choose(posterior, kSize, expected);

@@ -23,13 +23,24 @@ using test::TestRandom;
 
 constexpr int kSize = FeatureBlock::kSize;
 
-ClassifierModel modelOf(int classes, int radius, double sharpness) {
+/// Exponents are the voxel's own, then by radius.
+ClassifierModel modelOf(int classes, const std::vector<int>& radii,
+                        const std::vector<double>& exponents,
+                        const std::vector<double>& offsets = {}) {
   ClassifierModel model;
   model.features = {{Quantity::kScatter}};
   model.classes = test::randomClasses(classes, 1, 1);
-  model.calibration.smoothing_radius_voxels = radius;
-  model.calibration.smoothing_sharpness = sharpness;
+  model.calibration.smoothing.radii_voxels = radii;
+  model.calibration.smoothing.exponents = exponents;
+  model.calibration.smoothing.offsets = offsets;
   return model;
+}
+
+/// Offsets for any number of classes, none equal to the next one's.
+std::vector<double> someOffsets(int classes) {
+  std::vector<double> offsets;
+  for (int c = 0; c < classes; ++c) offsets.push_back(0.375 * (c * 5 % 7) - 1.0);
+  return offsets;
 }
 
 /// A map with posteriors, and the smoother they were given to.
@@ -41,7 +52,7 @@ class SmoothedMap {
         classifier_(model_),
         map_(shape, 1000),
         pool_(threads),
-        smoother_(LabelSmoother::make(classifier_, model_.calibration, threads)),
+        smoother_(LabelSmoother::make(classifier_, model_.calibration.smoothing, threads)),
         random_(seed) {
     map_.scrollTo({-5, 7, -11});
     all_.assignAll(shape.nx, shape.ny);
@@ -106,61 +117,90 @@ class SmoothedMap {
     }
   }
 
-  std::vector<Classification> label(const ColumnSet& columns) {
+  std::vector<Classification> label(const ColumnSet& columns,
+                                    std::vector<float>* terms = nullptr) {
     std::vector<Classification> labels(map_.slotBound(), {77, -1.0F});
-    smoother_->label(map_, columns, &pool_, &labels);
+    smoother_->label(map_, columns, &pool_, &labels, terms);
     return labels;
   }
-  std::vector<Classification> label() { return label(all_); }
+  std::vector<Classification> labelAll(std::vector<float>* terms = nullptr) {
+    return label(all_, terms);
+  }
 
-  /// Sums of whole posteriors over the cube, voxel by voxel.
-  std::vector<uint64_t> sumsAround(const VoxelIndex& center) const {
-    std::vector<uint64_t> sums(model_.classes.size(), 0);
-    const int r = model_.calibration.smoothing_radius_voxels;
+  /// Whole posteriors of the voxel, then sums of them over the cubes, voxel by voxel.
+  std::vector<std::vector<uint64_t>> sumsAround(const VoxelIndex& center) const {
+    const std::vector<int>& radii = smoothing().radii_voxels;
+    std::vector<std::vector<uint64_t>> sums(1 + radii.size(),
+                                            std::vector<uint64_t>(model_.classes.size(), 0));
     for (const auto& [voxel, slot] : listVoxels(map_)) {
-      const bool is_near = std::abs(voxel.x - center.x) <= r && std::abs(voxel.y - center.y) <= r &&
-                           std::abs(voxel.z - center.z) <= r;
-      if (!is_near || posteriors_[slot].empty()) continue;
-      for (std::size_t c = 0; c < sums.size(); ++c) {
-        sums[c] += test::wholePosterior(posteriors_[slot][c]);
+      if (posteriors_[slot].empty()) continue;
+      const int distance = std::max({std::abs(voxel.x - center.x), std::abs(voxel.y - center.y),
+                                     std::abs(voxel.z - center.z)});
+      for (std::size_t t = 0; t < sums.size(); ++t) {
+        if (distance > (t == 0 ? 0 : radii[t - 1])) continue;
+        for (std::size_t c = 0; c < sums[t].size(); ++c) {
+          sums[t][c] += test::wholePosterior(posteriors_[slot][c]);
+        }
       }
     }
     return sums;
   }
-  void expectRight(const std::vector<Classification>& labels, int most_voxels = 300) const {
+  void expectRight(const std::vector<Classification>& labels, const std::vector<float>& terms,
+                   int most_voxels = 300) const {
     const auto voxels = listVoxels(map_);
     const std::size_t stride = 1 + voxels.size() / most_voxels;
     for (std::size_t i = 0; i < voxels.size(); i += stride) {
-      const Classification& found = labels[voxels[i].second];
-      if (posteriors_[voxels[i].second].empty()) {
+      const auto& [voxel, slot] = voxels[i];
+      const Classification& found = labels[slot];
+      const auto sums = sumsAround(voxel);
+      ASSERT_NO_FATAL_FAILURE(expectTerms(terms, slot, sums));
+      if (posteriors_[slot].empty()) {
         ASSERT_EQ(found.label, kUnknownLabel);
         ASSERT_EQ(found.confidence, 0.0F);
         continue;
       }
-      const std::vector<uint64_t> sums = sumsAround(voxels[i].first);
-      const Classification expected = test::smoothedClass(classifier_, model_.calibration, sums);
+      const Classification expected = test::smoothedClass(classifier_, smoothing(), sums);
       ASSERT_TRUE(test::same(found, expected))
           << i << ": " << +found.label << " at " << found.confidence << ", expected "
           << +expected.label << " at " << expected.confidence;
-      ASSERT_NO_FATAL_FAILURE(expectPower(found, sums));
+      ASSERT_NO_FATAL_FAILURE(expectProduct(found, sums));
     }
   }
 
  private:
-  /// The same in double precision and without the classifier's own code.
-  void expectPower(const Classification& found, const std::vector<uint64_t>& sums) const {
-    const double total =
-        static_cast<double>(std::accumulate(sums.begin(), sums.end(), uint64_t{0}));
+  const Calibration::Smoothing& smoothing() const { return model_.calibration.smoothing; }
+  static double share(const std::vector<uint64_t>& sums, std::size_t c) {
+    const uint64_t total = std::accumulate(sums.begin(), sums.end(), uint64_t{0});
+    const double exact = static_cast<double>(sums[c]) / std::max(static_cast<double>(total), 1.0);
+    return std::max(exact, static_cast<double>(kLeastPosterior));
+  }
+  /// Without the classifier's own code and in double precision: products of powers.
+  void expectProduct(const Classification& found,
+                     const std::vector<std::vector<uint64_t>>& sums) const {
     double normalizer = 0.0;
-    std::vector<double> powers;
-    for (const uint64_t sum : sums) {
-      powers.push_back(
-          std::pow(static_cast<double>(sum) / total, model_.calibration.smoothing_sharpness));
-      normalizer += powers.back();
+    std::vector<double> products;
+    for (std::size_t c = 0; c < model_.classes.size(); ++c) {
+      products.push_back(smoothing().offsets.empty() ? 1.0 : std::exp(smoothing().offsets[c]));
+      for (std::size_t t = 0; t < sums.size(); ++t) {
+        products.back() *= std::pow(share(sums[t], c), smoothing().exponents[t]);
+      }
+      normalizer += products.back();
     }
-    const double greatest = *std::max_element(powers.begin(), powers.end());
-    ASSERT_NEAR(powers[found.label - 1], greatest, 1e-5 * greatest);
-    ASSERT_NEAR(found.confidence, greatest / normalizer, 3e-5);
+    const double greatest = *std::max_element(products.begin(), products.end());
+    ASSERT_NEAR(products[found.label - 1], greatest, 3e-5 * greatest);
+    ASSERT_NEAR(found.confidence, greatest / normalizer, 5e-5);
+  }
+  void expectTerms(const std::vector<float>& terms, std::size_t slot,
+                   const std::vector<std::vector<uint64_t>>& sums) const {
+    const std::size_t classes = model_.classes.size();
+    ASSERT_GE(terms.size(), (slot + 1) * sums.size() * classes);
+    for (std::size_t t = 0; t < sums.size(); ++t) {
+      for (std::size_t c = 0; c < classes; ++c) {
+        const float term = terms[(slot * sums.size() + t) * classes + c];
+        ASSERT_EQ(term, test::logShare(sums[t], c)) << "term " << t << ", class " << c;
+        ASSERT_NEAR(term, std::log(share(sums[t], c)), 2e-6);
+      }
+    }
   }
 
   ClassifierModel model_;
@@ -175,25 +215,39 @@ class SmoothedMap {
 
 class LabelSmoothers : public testing::TestWithParam<int> {};
 
-TEST_P(LabelSmoothers, AverageOverTheCube) {
+TEST_P(LabelSmoothers, MultiplyWhatVoxelAndCubesSay) {
+  struct Rule {
+    std::vector<int> radii;
+    std::vector<double> exponents;
+    bool has_offsets;
+  };
+  const Rule rules[] = {{{1}, {0.0, 1.0}, false},
+                        {{3}, {0.5, 2.5}, true},
+                        {{3, 8}, {0.2, 0.5, 1.0}, true},
+                        {{8, 1}, {1.5, 0.0, 0.75}, false},
+                        {{2, 7, 4, 4}, {0.3, 0.1, 0.6, 1.2, 0.4}, true}};
   for (const MapShape& shape : {MapShape{25, 19, 12}, MapShape{3, 40, 70}, MapShape{1, 1, 1},
                                 MapShape{30, 2, 200}, MapShape{66, 5, 4}}) {
-    for (const int radius : {1, 3, 8}) {
-      for (const double sharpness : {1.0, 2.5}) {
-        SmoothedMap smoothed(shape, modelOf(GetParam(), radius, sharpness));
-        smoothed.fillAtRandom(std::max(shape.nx * shape.ny * shape.nz / 4, 1));
-        smoothed.keepAtRandom(4);
-        ASSERT_NO_FATAL_FAILURE(smoothed.expectRight(smoothed.label(), 60))
-            << test::shapeName(shape) << ", radius " << radius;
-      }
+    for (const Rule& rule : rules) {
+      const auto offsets = rule.has_offsets ? someOffsets(GetParam()) : std::vector<double>();
+      SmoothedMap smoothed(shape, modelOf(GetParam(), rule.radii, rule.exponents, offsets));
+      smoothed.fillAtRandom(std::max(shape.nx * shape.ny * shape.nz / 4, 1));
+      smoothed.keepAtRandom(4);
+      std::vector<float> terms;
+      const std::vector<Classification> labels = smoothed.labelAll(&terms);
+      ASSERT_NO_FATAL_FAILURE(smoothed.expectRight(labels, terms, 60))
+          << test::shapeName(shape) << ", " << testing::PrintToString(rule.radii);
     }
   }
 }
 
 TEST_P(LabelSmoothers, FollowAMapThatScrollsAndChanges) {
-  SmoothedMap smoothed({20, 23, 15}, modelOf(GetParam(), 2, 1.5), 3);
+  const ClassifierModel model = modelOf(GetParam(), {1, 3}, {0.5, 1.5, 0.25},
+                                        someOffsets(GetParam()));
+  SmoothedMap smoothed({20, 23, 15}, model, 3);
   TestRandom random(4);
   VoxelIndex min = smoothed.map().minCorner();
+  std::vector<float> terms;
   for (int step = 0; step < 12; ++step) {
     min.x += static_cast<int32_t>(random.integer(-6, 6));
     min.y += static_cast<int32_t>(random.integer(-6, 6));
@@ -201,18 +255,19 @@ TEST_P(LabelSmoothers, FollowAMapThatScrollsAndChanges) {
     smoothed.map().scrollTo(min);
     smoothed.fillAtRandom(step % 3 * 400);
     smoothed.keepAtRandom(step % 4);
-    ASSERT_NO_FATAL_FAILURE(smoothed.expectRight(smoothed.label(), 100)) << "step " << step;
+    const std::vector<Classification> labels = smoothed.labelAll(&terms);
+    ASSERT_NO_FATAL_FAILURE(smoothed.expectRight(labels, terms, 100)) << "step " << step;
   }
 }
 
 TEST_P(LabelSmoothers, GiveTheSameBitsForAnyNumberOfThreads) {
-  const ClassifierModel model = modelOf(GetParam(), 4, 1.2);
+  const ClassifierModel model = modelOf(GetParam(), {4, 6}, {0.3, 1.2, 0.7});
   std::vector<Classification> expected;
   for (const int threads : {1, 2, 3, 5, 16}) {
     SmoothedMap smoothed({40, 37, 10}, model, threads, 6);
     smoothed.fillAtRandom(4000);
     smoothed.keepAtRandom(5);
-    const std::vector<Classification> labels = smoothed.label();
+    const std::vector<Classification> labels = smoothed.labelAll();
     if (threads == 1) expected = labels;
     ASSERT_EQ(labels.size(), expected.size());
     for (std::size_t slot = 0; slot < labels.size(); ++slot) {
@@ -222,10 +277,10 @@ TEST_P(LabelSmoothers, GiveTheSameBitsForAnyNumberOfThreads) {
 }
 
 TEST_P(LabelSmoothers, LabelTheColumnsAskedForAndNoOthers) {
-  SmoothedMap smoothed({33, 21, 9}, modelOf(GetParam(), 3, 1.0), 2);
+  SmoothedMap smoothed({33, 21, 9}, modelOf(GetParam(), {3, 5}, {0.2, 0.5, 1.0}), 2);
   smoothed.fillAtRandom(1500);
   smoothed.keepAtRandom(6);
-  const std::vector<Classification> all = smoothed.label();
+  const std::vector<Classification> all = smoothed.labelAll();
   TestRandom random(8);
   for (const int columns : {0, 1, 5, 100}) {
     ColumnSet some;
@@ -248,7 +303,7 @@ INSTANTIATE_TEST_SUITE_P(Classes, LabelSmoothers, testing::Values(2, 4, 5, 8, 9,
 
 TEST(LabelSmoother, UnknownVoxelsStayUnknownAndGiveNothing) {
   for (const int classes : {3, 16}) {
-    SmoothedMap smoothed({9, 9, 9}, modelOf(classes, 8, 1.0));
+    SmoothedMap smoothed({9, 9, 9}, modelOf(classes, {8}, {0.0, 1.0}));
     const VoxelIndex& min = smoothed.map().minCorner();
     for (int i = 0; i < 9; ++i) smoothed.insert({min.x + i, min.y + 4, min.z + i});
     const auto voxels = listVoxels(smoothed.map());
@@ -258,7 +313,7 @@ TEST(LabelSmoother, UnknownVoxelsStayUnknownAndGiveNothing) {
       smoothed.set(voxels[i].second, i == 3 ? p : std::vector<float>());
     }
     smoothed.keep();
-    std::vector<Classification> labels = smoothed.label();
+    std::vector<Classification> labels = smoothed.labelAll();
     for (std::size_t i = 0; i < voxels.size(); ++i) {
       const Classification& found = labels[voxels[i].second];
       EXPECT_EQ(found.label, i == 3 ? 2 : kUnknownLabel);
@@ -267,7 +322,7 @@ TEST(LabelSmoother, UnknownVoxelsStayUnknownAndGiveNothing) {
     // Of none is anything known.
     smoothed.set(voxels[3].second, {});
     smoothed.keep();
-    labels = smoothed.label();
+    labels = smoothed.labelAll();
     for (const auto& [voxel, slot] : voxels) {
       EXPECT_TRUE(test::same(labels[slot], Classification()));
     }
@@ -275,7 +330,7 @@ TEST(LabelSmoother, UnknownVoxelsStayUnknownAndGiveNothing) {
 }
 
 TEST(LabelSmoother, TheManyOutvoteTheOne) {
-  SmoothedMap smoothed({5, 5, 5}, modelOf(3, 1, 1.0));
+  SmoothedMap smoothed({5, 5, 5}, modelOf(3, {1}, {0.0, 1.0}));
   const VoxelIndex& min = smoothed.map().minCorner();
   for (int x = 0; x < 5; ++x) smoothed.insert({min.x + x, min.y, min.z});
   for (const auto& [voxel, slot] : listVoxels(smoothed.map())) {
@@ -284,7 +339,7 @@ TEST(LabelSmoother, TheManyOutvoteTheOne) {
                                  : std::vector<float>{0.9F, 0.1F, 0.0F});
   }
   smoothed.keep();
-  const auto labels = smoothed.label();
+  const auto labels = smoothed.labelAll();
   for (const auto& [voxel, slot] : listVoxels(smoothed.map())) {
     const int x = voxel.x - min.x;
     EXPECT_EQ(labels[slot].label, 1) << x;
@@ -293,11 +348,61 @@ TEST(LabelSmoother, TheManyOutvoteTheOne) {
   }
 }
 
+TEST(LabelSmoother, OffsetsAndOwnPosteriorsCanTurnTheVote) {
+  for (const bool has_offset : {false, true}) {
+    for (const double own : {0.0, 4.0}) {
+      const std::vector<double> offsets = {0.0, has_offset ? 5.0 : 0.0, 0.0};
+      SmoothedMap smoothed({5, 5, 5}, modelOf(3, {1}, {own, 1.0}, offsets));
+      const VoxelIndex& min = smoothed.map().minCorner();
+      for (int x = 0; x < 3; ++x) smoothed.insert({min.x + x, min.y, min.z});
+      std::size_t middle = 0;
+      for (const auto& [voxel, slot] : listVoxels(smoothed.map())) {
+        const bool is_middle = voxel.x == min.x + 1;
+        if (is_middle) middle = slot;
+        smoothed.set(slot, is_middle ? std::vector<float>{0.2F, 0.2F, 0.6F}
+                                     : std::vector<float>{0.8F, 0.2F, 0.0F});
+      }
+      smoothed.keep();
+      // Means are (0.6, 0.2, 0.2); 3^4 by its own to 3 by its neighbours, e^5 to all of them.
+      const double product[3] = {0.6 * std::pow(0.2, own),
+                                 0.2 * std::pow(0.2, own) * std::exp(offsets[1]),
+                                 0.2 * std::pow(0.6, own)};
+      const double* greatest = std::max_element(product, product + 3);
+      const Classification found = smoothed.labelAll()[middle];
+      EXPECT_EQ(found.label, has_offset ? 2 : own > 0.0 ? 3 : 1);
+      EXPECT_EQ(found.label, 1 + (greatest - product));
+      EXPECT_NEAR(found.confidence, *greatest / (product[0] + product[1] + product[2]), 1e-3);
+    }
+  }
+}
+
+TEST(LabelSmoother, TermsAreWrittenForTheColumnsAskedForAndChangeNothing) {
+  const ClassifierModel model = modelOf(5, {2, 4}, {0.2, 0.5, 1.0});
+  SmoothedMap smoothed({12, 9, 6}, model, 2);
+  smoothed.fillAtRandom(200);
+  smoothed.keepAtRandom(5);
+  ColumnSet some;
+  some.resize(12, 9);
+  for (int x = 0; x < 12; x += 2) some.add(x, x % 9);
+  constexpr std::size_t kTerms = 3 * 5;
+  std::vector<float> terms(smoothed.map().slotBound() * kTerms, 77.0F);
+  const std::vector<Classification> with = smoothed.label(some, &terms);
+  const std::vector<Classification> without = smoothed.label(some);
+  const VoxelIndex& min = smoothed.map().minCorner();
+  for (const auto& [voxel, slot] : listVoxels(smoothed.map())) {
+    ASSERT_TRUE(test::same(with[slot], without[slot]));
+    const bool is_asked = some.contains(voxel.x - min.x, voxel.y - min.y);
+    for (std::size_t i = 0; i < kTerms; ++i) {
+      ASSERT_EQ(terms[slot * kTerms + i] == 77.0F, !is_asked);
+    }
+  }
+}
+
 TEST(LabelSmoother, SaysItsCalibrationAndItsMemory) {
-  ClassifierModel model = modelOf(5, 6, 1.0);
-  model.calibration.smoothing_temperature = 3.5;
+  ClassifierModel model = modelOf(5, {2, 6, 3}, {0.1, 0.2, 0.3, 0.4});
+  model.calibration.smoothing.temperature = 3.5;
   SmoothedMap smoothed({10, 10, 10}, model);
-  EXPECT_EQ(smoothed.smoother().radius(), 6);
+  EXPECT_EQ(smoothed.smoother().reach(), 6);
   EXPECT_EQ(smoothed.smoother().temperature(), 3.5F);
   smoothed.smoother().resize(1000);
   EXPECT_GE(smoothed.smoother().memoryBytes(), 1000 * 8 * sizeof(uint16_t));

@@ -10,7 +10,9 @@
 
 #include "ladar_perception/classify/classifier.h"
 #include "ladar_perception/classify/classifier_model.h"
+#include "ladar_perception/classify/label_smoother.h"
 #include "ladar_perception/map/voxel_map.h"
+#include "ladar_perception/util/block_math.h"
 
 namespace ladar_perception::test {
 
@@ -79,16 +81,35 @@ class PosteriorAverage {
   std::vector<uint64_t> sums_;
 };
 
-/// Class of a voxel from the sums of whole posteriors around it.
-inline Classification smoothedClass(const Classifier& classifier, const Calibration& calibration,
-                                    const std::vector<uint64_t>& sums) {
+/// What is added to the classes' logarithms; none in the list: nothing.
+inline std::vector<float> classOffsets(const std::vector<double>& offsets, std::size_t classes) {
+  std::vector<float> all(offsets.begin(), offsets.end());
+  all.resize(classes, 0.0F);
+  return all;
+}
+
+/// Logarithm of a class's share of whole posteriors, which may be none at all.
+inline float logShare(const std::vector<uint64_t>& sums, std::size_t c) {
   const uint64_t total = std::accumulate(sums.begin(), sums.end(), uint64_t{0});
+  const float share = static_cast<float>(sums[c]) / std::max(static_cast<float>(total), 1.0F);
+  return block_math::logPositive(std::max(share, kLeastPosterior));
+}
+
+/// Class of a known voxel from whole posteriors: its own, then the sums around it, by radius.
+inline Classification smoothedClass(const Classifier& classifier,
+                                    const Calibration::Smoothing& smoothing,
+                                    const std::vector<std::vector<uint64_t>>& sums) {
   PosteriorBlock block = {};
   block.known[0] = 1;
-  for (std::size_t c = 0; c < sums.size(); ++c) {
-    block.probability[c][0] = static_cast<float>(sums[c]) * (1.0F / static_cast<float>(total));
+  const std::vector<float> offsets = classOffsets(smoothing.offsets, classifier.classes());
+  for (std::size_t c = 0; c < classifier.classes(); ++c) {
+    float log_product = offsets[c];
+    for (std::size_t t = 0; t < sums.size(); ++t) {
+      log_product += static_cast<float>(smoothing.exponents[t]) * logShare(sums[t], c);
+    }
+    block.probability[c][0] = log_product;
   }
-  classifier.sharpen(static_cast<float>(calibration.smoothing_sharpness), &block);
+  classifier.normalize(&block);
   Classification result;
   classifier.choose(block, 1, &result);
   return result;
