@@ -21,7 +21,7 @@ using test::wideFeatures;
 struct Question {
   std::vector<std::string> features = wideFeatures();
   int classes = 3;
-  int smoothing_radius = 0;  // 0: labels are not smoothed
+  std::vector<int> smoothing_radii;  // none: labels are not smoothed
   int threads = 1;
   int support_radius = 4;
   std::string kernel = "box";
@@ -38,11 +38,19 @@ DriveCase driveCase(const std::string& name, const Question& question) {
   drive.config.support_kernel = question.kernel;
   drive.config.map_size_z_m = question.map_size_z_m;
   drive.config.forget_after_scans = question.forget_after_scans;
-  drive.config.smooth_labels = question.smoothing_radius > 0;
+  drive.config.smooth_labels = !question.smoothing_radii.empty();
   drive.model = randomModel(drive.config, question.features, question.classes);
   drive.model.calibration.temperature = 1.5;
-  drive.model.calibration.smoothing_radius_voxels = question.smoothing_radius;
-  drive.model.calibration.smoothing_sharpness = 1.25;
+  Calibration::Smoothing& smoothing = drive.model.calibration.smoothing;
+  smoothing.radii_voxels = question.smoothing_radii;
+  smoothing.exponents = {0.375};
+  for (std::size_t i = 0; i < question.smoothing_radii.size(); ++i) {
+    smoothing.exponents.push_back(0.75 / static_cast<double>(i + 1));
+  }
+  for (int c = 0; c < question.classes; ++c) {
+    drive.model.calibration.offsets.push_back(0.2 - 0.1 * c);
+    smoothing.offsets.push_back(0.07 * c - 0.1);
+  }
   // Layers of columns as wide as half the map carry changes far.
   drive.reuses = false;
   drive.scans = 300;
@@ -62,21 +70,21 @@ std::vector<DriveCase> driveCases() {
     cases.push_back(driveCase(name, change));
   };
   add("wide", [](Question* /*q*/) {});
-  add("wide_smoothed", [](Question* q) { q->smoothing_radius = 5; });
+  add("wide_smoothed", [](Question* q) { q->smoothing_radii = {5}; });
   add("wide_kernel", [](Question* q) { q->kernel = "gaussian"; });
   add("wide_kernel_smoothed_threads", [](Question* q) {
     q->kernel = "gaussian";
-    q->smoothing_radius = 3;
+    q->smoothing_radii = {3, 5};
     q->threads = 2;
   });
   add("wide_smoothed_forgets_threads", [](Question* q) {
-    q->smoothing_radius = 2;
+    q->smoothing_radii = {2};
     q->forget_after_scans = 25;
     q->threads = 4;
     q->classes = 5;
   });
   add("wide_tall_smoothed", [](Question* q) {
-    q->smoothing_radius = 4;
+    q->smoothing_radii = {4, 1, 7};
     q->map_size_z_m = 7.0;
     q->classes = 9;
     q->threads = 5;
@@ -86,7 +94,7 @@ std::vector<DriveCase> driveCases() {
   add("smoothed_beyond_the_support", [](Question* q) {
     q->features = {"cbrt_scatter", "cbrt_linear", "normal_angle"};
     q->support_radius = 1;
-    q->smoothing_radius = 8;
+    q->smoothing_radii = {2, 8};
     q->classes = 3;
   });
   add("one_wide_support", [](Question* q) {
@@ -97,7 +105,7 @@ std::vector<DriveCase> driveCases() {
   add("columns_alone", [](Question* q) {
     q->features = {"log_height@12", "log_ground_height@6", "log_fill@1"};
     q->support_radius = 1;
-    q->smoothing_radius = 1;
+    q->smoothing_radii = {1};
   });
   return cases;
 }

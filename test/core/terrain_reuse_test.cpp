@@ -96,7 +96,7 @@ class FilledMap : public testing::Test {
     return columns;
   }
 
-  static constexpr int kRadius = 4;
+  static constexpr int kRadius = 6;
   TerrainPipeline pipeline_{{}, handModel()};
   MixedScene scene_;
 };
@@ -180,7 +180,8 @@ TEST(Smoothing, LabelsAreAveragedAnewNextToWhatLeftTheMap) {
   TerrainConfig config = smallMap();
   config.support_radius_voxels = 1;
   ClassifierModel model = modelFor(config);
-  model.calibration.smoothing_radius_voxels = 8;
+  model.calibration.smoothing.radii_voxels = {8};
+  model.calibration.smoothing.exponents = {0.0, 1.0};
   for (int gap = 1; gap <= 9; ++gap) {
     // A pole at x = 0, and level ground from `gap` voxels on.
     std::vector<Vector3d> pole;
@@ -208,7 +209,7 @@ TEST(Smoothing, LabelsAreAveragedAnewNextToWhatLeftTheMap) {
 
 TEST(FullVoxels, RefusedPointsConcernNothing) {
   TerrainPipeline pipeline({}, handModel());
-  const std::vector<Vector3d> many(maxPointsPerVoxel(4), Vector3d(3.05, 0.05, 0.55));
+  const std::vector<Vector3d> many(maxPointsPerVoxel(6), Vector3d(3.05, 0.05, 0.55));
   processAt(&pipeline, many, Vector3d::Zero());
   EXPECT_EQ(pipeline.report().updated_voxels, 1U);
   processAt(&pipeline, many, Vector3d::Zero());

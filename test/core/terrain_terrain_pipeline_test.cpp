@@ -157,7 +157,7 @@ TEST(TerrainPipeline, SaturatedPointsAreCountedAndStillLabelled) {
     points.push_back(stepMiddle({2.05, y, 0.05}));
   }
   const ScanReport& report = processAt(&pipeline, points, Vector3d::Zero());
-  const std::size_t cap = maxPointsPerVoxel(4);
+  const std::size_t cap = maxPointsPerVoxel(6);
   EXPECT_GE(dropped(report, PointDrop::kSaturated), 3000 - cap);
   EXPECT_EQ(pipeline.map().find({20, 0, 0})->count(), cap);
   expectConsistent(pipeline, points.size());

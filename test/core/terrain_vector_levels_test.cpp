@@ -96,7 +96,10 @@ TEST_P(VectorLevels, APipelineWithManySupportsLayersAndClassesSaysTheSame) {
       TerrainConfig config;
       config.map_size_x_m = config.map_size_y_m = 12.0;
       ClassifierModel model = randomModel(config, wideFeatures(), classes);
-      model.calibration.smoothing_sharpness = 1.7;
+      model.calibration.smoothing.exponents = {0.3, 1.7, 0.6};
+      for (int c = 0; c < classes; ++c) {
+        model.calibration.smoothing.offsets.push_back(0.1 * (c % 3));
+      }
       return drive(config, model);
     };
     expectSame(atBaseline(run), atLevel(run));

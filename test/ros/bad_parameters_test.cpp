@@ -53,7 +53,7 @@ std::vector<BadStart> badStarts() {
          set(node + "/voxel_size_m", 0.2);
          set(node + "/support_radius_voxels", 3);
        },
-       {kTestModel, "does not fit", "voxel_size_m 0.1", "0.2", "support_radius_voxels 4", "3"}},
+       {kTestModel, "does not fit", "voxel_size_m 0.1", "0.2", "support_radius_voxels 6", "3"}},
       {"missing_model",
        [](const std::string& node) { set(node + "/model", std::string("/nowhere/model.yaml")); },
        {"/nowhere/model.yaml", "cannot be opened"}},

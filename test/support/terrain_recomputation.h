@@ -172,11 +172,14 @@ class Recomputation {
     for (int f = 0; f < feature_count; ++f) computeFeature(volumes, f, features.row(f));
     const Calibration& calibration = model_.calibration;
     PosteriorBlock posterior;
-    classifier_.posteriors(
-        features,
-        static_cast<float>(config_.smooth_labels ? calibration.smoothing_temperature
-                                                 : calibration.temperature),
-        &posterior);
+    if (config_.smooth_labels) {
+      const auto temperature = static_cast<float>(calibration.smoothing.temperature);
+      classifier_.posteriors(features, temperature, nullptr, &posterior);
+    } else {
+      const std::vector<float> offsets = classOffsets(calibration.offsets, model_.classes.size());
+      classifier_.posteriors(features, static_cast<float>(calibration.temperature), offsets.data(),
+                             &posterior);
+    }
     Classification classified[kSaliencyBlock];
     classifier_.choose(posterior, static_cast<int>(volumes.size()), classified);
     std::vector<Voxel> result(volumes.size());
@@ -205,9 +208,11 @@ class Recomputation {
     for (const auto& [voxel, slot] : listed) {
       Voxel& known = (*voxels)[slot];
       if (known.classification.label == kUnknownLabel) continue;
-      known.classification =
-          smoothedClass(classifier_, model_.calibration,
-                        average.around(voxel, model_.calibration.smoothing_radius_voxels));
+      std::vector<std::vector<uint64_t>> sums = {{known.posterior.begin(), known.posterior.end()}};
+      for (const int radius : model_.calibration.smoothing.radii_voxels) {
+        sums.push_back(average.around(voxel, radius));
+      }
+      known.classification = smoothedClass(classifier_, model_.calibration.smoothing, sums);
     }
   }
 
