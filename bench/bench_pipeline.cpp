@@ -97,6 +97,7 @@ struct Variant {
   double points_per_s = kUsualRate;
   TerrainConfig config;
   bool reuse = true;  ///< false: every voxel is computed anew at every scan
+  std::string features;  ///< a set of features in place of the starter model's
 };
 
 double percentile(std::vector<double> values, double share) {
@@ -139,12 +140,26 @@ void replay(const Variant& variant, TerrainPipeline* pipeline, std::vector<doubl
   *updated_share = updated / occupied;
 }
 
+/// As many Gaussians as the model has, on other features: what they are does not change what they
+/// cost.
+void replaceFeatures(const std::string& set, ClassifierModel* model) {
+  model->features = parseFeatures({set});
+  const auto n = static_cast<Eigen::Index>(model->features.size());
+  for (ModelClass& model_class : model->classes) {
+    for (GaussianComponent& component : model_class.mixture) {
+      component.mean = Eigen::VectorXd::Zero(n);
+      component.covariance = Eigen::MatrixXd::Identity(n, n);
+    }
+  }
+}
+
 void latency(benchmark::State& state, const Variant& variant) {
   ClassifierModel model = loadClassifierModel(LADAR_SOURCE_DIR "/config/models/starter.yaml");
   // What is learned does not change what it costs.
   model.voxel_size_m = variant.config.voxel_size_m;
   model.support_radius_voxels = variant.config.support_radius_voxels;
   model.support_kernel = variant.config.support_kernel;
+  if (!variant.features.empty()) replaceFeatures(variant.features, &model);
   TerrainPipeline pipeline(variant.config, model);
   std::vector<double> ms;
   double updated_share = 0.0;
@@ -174,6 +189,15 @@ std::vector<Variant> variants() {
     for (const int thousands : {100, 300, 1300, 5000}) {
       add(sensor, "points_per_s:" + std::to_string(thousands) + "k",
           [=](Variant* v) { v->points_per_s = 1e3 * thousands; });
+    }
+    for (const char* features : {"saliency", "directions", "standard"}) {
+      for (const bool smooth : {false, true}) {
+        add(sensor, std::string("features:") + features + (smooth ? "_smoothed" : ""),
+            [=](Variant* v) {
+              v->features = features;
+              v->config.smooth_labels = smooth;
+            });
+      }
     }
     add(sensor, "reuse:off", [](Variant* v) { v->reuse = false; });
     for (const int size_m : {10, 40, 80}) {

@@ -13,8 +13,8 @@ namespace {
 
 const std::vector<std::string> kNames = {"ground", "leaves", "wire"};
 const std::vector<uint32_t> kColors = {0x102030, 0x405060, 0x708090};
-const std::vector<Feature> kFeatures = {Feature::kCbrtScatter, Feature::kCbrtSurface,
-                                        Feature::kCbrtLinear};
+const std::vector<Feature> kFeatures = {
+    {Quantity::kCbrtScatter}, {Quantity::kCbrtSurface}, {Quantity::kCbrtLinear}};
 
 /// What a pipeline with these features sees of the mixed scene.
 SampleCollector collect(const ClassifierModel& frame, bool with_wire = true) {
@@ -131,7 +131,7 @@ TEST(LearnTrainer, NamesTheClassWithTooFewSamples) {
 
 TEST(LearnTrainer, AConstantFeatureSaysNothing) {
   // The map is one flat plane: the normal points up everywhere.
-  const std::vector<Feature> features = {Feature::kScatter, Feature::kCbrtLinear};
+  const std::vector<Feature> features = {{Quantity::kScatter}, {Quantity::kCbrtLinear}};
   const ClassifierModel frame = modelFrame({"a", "b"}, {1, 2}, features, {});
   SampleCollector collector(2, 2, 300, 1);
   TerrainPipeline pipeline({}, frame);

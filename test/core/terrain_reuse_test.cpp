@@ -222,8 +222,8 @@ TEST(Forgetting, ConcernsWhatIsNextToWhatIsForgotten) {
   config.forget_after_scans = 8;
   TerrainPipeline pipeline(config, handModel());
   processAt(&pipeline, {{3.05, 0.05, 0.5}, {3.35, 0.05, 0.5}}, Vector3d::Zero());
-  processAt(&pipeline, {{3.65, 0.05, 0.5}, {-3.05, 0.05, 0.5}}, Vector3d::Zero());
-  EXPECT_EQ(pipeline.report().updated_voxels, 3U);  // the voxel 0.6 m away is none of them
+  processAt(&pipeline, {{3.75, 0.05, 0.5}, {-3.05, 0.05, 0.5}}, Vector3d::Zero());
+  EXPECT_EQ(pipeline.report().updated_voxels, 3U);  // the voxel 0.7 m away is none of them
   for (int scan = 2; scan < 8; ++scan) {
     processAt(&pipeline, {}, Vector3d::Zero());
     EXPECT_EQ(pipeline.report().updated_voxels, 0U) << scan;

@@ -14,7 +14,8 @@ TEST_F(ClassifyBagInput, RefusesAModelThatDoesNotFit) {
   expectFailure(classify(forest(), {"--config", config}),
                 {"starter.yaml", "does not fit", "0.1", "0.2"});
   const std::string wide = folder_.write("wide.yaml", "support_radius_voxels: 3\n");
-  expectFailure(classify(forest(), {"--config", wide}), {"starter.yaml", "does not fit", "3", "4"});
+  expectFailure(classify(forest(), {"--config", wide}),
+                {"starter.yaml", "does not fit", "voxels 6", "has 3"});
   EXPECT_EQ(folder_.list(), "coarse.yaml wide.yaml");
 }
 

@@ -45,7 +45,7 @@ TEST_F(TrainClassifier, MakesAModelThatWorks) {
   EXPECT_EQ(model.labelName(1), "surface");
   EXPECT_EQ(model.labelName(2), "scatter");
   EXPECT_EQ(model.labelName(3), "linear");
-  EXPECT_EQ(modelMisfit(model, 0.1, 4), "");
+  EXPECT_EQ(modelMisfit(model, 0.1, 6), "");
   EXPECT_TRUE(std::isfinite(model.unknown_log_likelihood));
   for (const ModelClass& model_class : model.classes) {
     EXPECT_GE(model_class.mixture.size(), 1u);
@@ -77,7 +77,7 @@ TEST_F(TrainClassifier, UsesFeaturesAndConfiguration) {
   const ClassifierModel model = loadClassifierModel(folder_.file("model.yaml"));
   EXPECT_EQ(model.features.size(), 3u);
   EXPECT_EQ(modelMisfit(model, 0.2, 2), "");
-  EXPECT_NE(modelMisfit(model, 0.1, 4), "");
+  EXPECT_NE(modelMisfit(model, 0.1, 6), "");
 }
 
 TEST_F(TrainClassifier, NeedsTruth) {
