@@ -281,23 +281,38 @@ const std::vector<FeatureSet>& featureSets() {
        "saliencies, and the angles of normal and tangent",
        {"cbrt_scatter", "cbrt_surface", "cbrt_linear", "normal_angle", "tangent_angle"}},
       {"standard",
-       "shape at two sizes, fill of the columns and height over the ground near and far",
-       {"spread_angle", "horizontal_ratio", "cbrt_surface", "scatter_ratio", "normal_angle",
-        "spread_angle@4", "scatter_ratio@4", "log_fill@1", "log_fill@3", "log_ground_height@5",
+       "shape, fill of the columns, and height over the ground near and far",
+       {"spread_angle", "horizontal_ratio", "cbrt_surface", "scatter_ratio", "thickness_ratio",
+        "normal_angle", "upright_surface", "log_fill@1", "log_fill@3", "log_ground_height@5",
         "log_height@10", "log_height@40"}},
+      {"several_supports",
+       "standard, and shape at two more sizes: thinner things, at half as much time again",
+       {"standard", "spread_angle@4", "scatter_ratio@4", "spread_angle@8", "horizontal_ratio@8"}},
   };
   return kSets;
 }
 
+namespace {
+
+/// The features that a name stands for; sets may have sets in them.
+std::vector<std::string> membersOf(const std::string& name) {
+  for (const FeatureSet& set : featureSets()) {
+    if (name != set.name) continue;
+    std::vector<std::string> members;
+    for (const std::string& part : set.features) {
+      for (std::string& member : membersOf(part)) members.push_back(std::move(member));
+    }
+    return members;
+  }
+  return {name};
+}
+
+}  // namespace
+
 std::vector<Feature> parseFeatures(const std::vector<std::string>& names) {
   std::vector<Feature> features;
   for (const std::string& name : names) {
-    const auto& sets = featureSets();
-    const auto set = std::find_if(sets.begin(), sets.end(),
-                                  [&](const FeatureSet& entry) { return name == entry.name; });
-    const std::vector<std::string> members =
-        set == sets.end() ? std::vector<std::string>{name} : set->features;
-    for (const std::string& member : members) {
+    for (const std::string& member : membersOf(name)) {
       features.push_back(parseFeature(member));
       if (std::count(features.begin(), features.end(), features.back()) > 1) {
         throw std::invalid_argument("feature '" + member + "' is there twice");
