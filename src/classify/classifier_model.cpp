@@ -119,7 +119,7 @@ void readFeatures(const ModelReader& reader, const YAML::Node& root, ClassifierM
   }
 }
 
-// Far beyond what calibration ever finds, and yet no float32 overflows.
+// Limits are far beyond what calibration ever finds, and yet no float32 overflows.
 double readExponent(const ModelReader& reader, const YAML::Node& map, const std::string& key) {
   const auto value = reader.value<double>(map, key, "a number");
   if (!(value >= 1e-3 && value <= 1e3)) {
@@ -132,8 +132,11 @@ std::vector<double> readNumbers(const ModelReader& reader, const YAML::Node& map
                                 const std::string& key, std::size_t size) {
   const auto numbers = reader.value<std::vector<double>>(map, key, "a list of numbers");
   bool good = numbers.size() == size;
-  for (const double number : numbers) good = good && std::isfinite(number);
-  if (!good) reader.fail(map[key], "'" + key + "' must be " + std::to_string(size) + " numbers");
+  for (const double number : numbers) good = good && std::abs(number) <= 1e3;
+  if (!good) {
+    reader.fail(map[key],
+                "'" + key + "' must be " + std::to_string(size) + " numbers from -1000 to 1000");
+  }
   return numbers;
 }
 

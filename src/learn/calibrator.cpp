@@ -100,7 +100,7 @@ Fit fitTerms(const std::vector<Case>& all, const std::vector<Eigen::Index>& used
     cases.push_back({std::move(phi), one.weight});
   }
   Eigen::VectorXd preferred = Eigen::VectorXd::Zero(terms + k);
-  preferred.head(terms).setConstant(1.0 / static_cast<double>(terms));
+  if (terms > 0) preferred.head(terms).setConstant(1.0 / static_cast<double>(terms));
   const Eigen::VectorXd best = minimise(cases, preferred);
   const Eigen::VectorXd offsets = best.tail(k).array() - best.tail(k).mean();
   Fit fit;
@@ -109,17 +109,18 @@ Fit fitTerms(const std::vector<Case>& all, const std::vector<Eigen::Index>& used
   return fit;
 }
 
-/// The same with exponents that are not negative: of a negative one the term is left out.
+/// The same with exponents that are not negative: of a negative one the term is left out, and if
+/// none is left, offsets tell the classes' shares.
 Fit fitAll(const std::vector<Case>& cases, std::size_t terms, std::size_t classes) {
   std::vector<Eigen::Index> used;
   for (std::size_t t = 0; t < terms; ++t) used.push_back(static_cast<Eigen::Index>(t));
   while (true) {
     Fit fit = fitTerms(cases, used, classes);
     const auto least = std::min_element(fit.exponents.begin(), fit.exponents.end());
-    if (*least >= 0.0 || used.size() == 1) {
+    if (used.empty() || *least >= 0.0) {
       std::vector<double> exponents(terms, 0.0);
       for (std::size_t i = 0; i < used.size(); ++i) {
-        exponents[static_cast<std::size_t>(used[i])] = std::max(fit.exponents[i], 0.0);
+        exponents[static_cast<std::size_t>(used[i])] = fit.exponents[i];
       }
       fit.exponents = std::move(exponents);
       return fit;
@@ -202,6 +203,8 @@ void Calibrator::calibrate(bool class_balanced, ClassifierModel* model) const {
   // another temperature.
   Fit alone = fitTerms(cases, {0}, classes_);
   const double exponent = std::clamp(alone.exponents[0], 0.05, 20.0);
+  // Offsets that go with a negative exponent would be wrong without it.
+  if (alone.exponents[0] < exponent) alone.offsets = fitTerms(cases, {}, classes_).offsets;
   double prior_sum = 0.0;
   for (const ModelClass& model_class : model->classes) prior_sum += model_class.prior;
   for (std::size_t c = 0; c < classes_; ++c) {

@@ -245,7 +245,7 @@ TEST(ClassifierModel, SmoothingErrorsNameLineAndKey) {
   expectParseError("    " + radii, "", {":15:", "'radii_voxels' is missing"});
   const std::string exponents = "exponents: [0.2, 0.5, 1]\n";
   for (const std::string value :
-       {"[]", "[0.2, 0.5]", "[1, 1, 1, 1]", "[0.2, .nan, 1]", "[0.2, .inf, 1]"}) {
+       {"[]", "[0.2, 0.5]", "[1, 1, 1, 1]", "[0.2, .nan, 1]", "[0.2, .inf, 1]", "[0.2, 1e39, 1]"}) {
     expectParseError(exponents, "exponents: " + value + "\n",
                      {":17:", "'exponents' must be 3 numbers"});
   }
@@ -270,7 +270,7 @@ TEST(ClassifierModel, OffsetErrorsNameLineAndKey) {
        {Place{"  temperature: 1\n  ", ":13:", ":12:"}, Place{"1]\n    ", ":18:", ":15:"}}) {
     const std::string offsets = place.indent + "offsets: ";
     for (const std::string value :
-         {"[]", "[0, 0]", "[0, 0, 0, 0]", "[0, .inf, 0]", "[0, 0, .nan]"}) {
+         {"[]", "[0, 0]", "[0, 0, 0, 0]", "[0, .inf, 0]", "[0, 0, .nan]", "[0, -1001, 0]"}) {
       expectParseError(offsets + "[0, 0, 0]", offsets + value,
                        {place.line, "'offsets' must be 3 numbers"});
     }

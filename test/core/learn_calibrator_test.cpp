@@ -109,6 +109,23 @@ Calibrator calibratorOf(const ClassifierModel& model, const Rule& rule, int scan
   return calibrator;
 }
 
+/// How many points of each class that calibrator has seen in voxels that are known.
+std::vector<double> pointsByClass(const ClassifierModel& model, const Rule& rule, int scans = 4) {
+  std::vector<double> points(model.classes.size(), 0.0);
+  TestRandom random(7);
+  for (int scan = 0; scan < scans; ++scan) {
+    TerrainPipeline pipeline(smallSupport(), model);
+    pipeline.keepFeatures(true);
+    processAt(&pipeline, clumps(10 + scan), Vector3d::Zero());
+    const std::vector<double> truth = drawTruth(pipeline, rule, &random);
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      const bool is_known = pipeline.pointLabels()[i].label != kUnknownLabel;
+      if (is_known && truth[i] > 0.0) points[static_cast<std::size_t>(truth[i]) - 1] += 1.0;
+    }
+  }
+  return points;
+}
+
 ClassifierModel calibrated(const Rule& rule, bool class_balanced) {
   ClassifierModel model = someModel();
   calibratorOf(model, rule).calibrate(class_balanced, &model);
@@ -159,19 +176,7 @@ TEST(LearnCalibrator, BalancingTakesTheClassesSharesOutOfTheOffsets) {
   ClassifierModel balanced = model;
   calibrator.calibrate(false, &by_points);
   calibrator.calibrate(true, &balanced);
-  // The truths again, to count them.
-  std::vector<double> share(kClasses, 0.0);
-  TestRandom random(7);
-  for (int scan = 0; scan < 4; ++scan) {
-    TerrainPipeline pipeline(smallSupport(), model);
-    pipeline.keepFeatures(true);
-    processAt(&pipeline, clumps(10 + scan), Vector3d::Zero());
-    const std::vector<double> truth = drawTruth(pipeline, rule, &random);
-    for (std::size_t i = 0; i < truth.size(); ++i) {
-      const bool is_known = pipeline.pointLabels()[i].label != kUnknownLabel;
-      if (is_known && truth[i] > 0.0) share[static_cast<std::size_t>(truth[i]) - 1] += 1.0;
-    }
-  }
+  const std::vector<double> share = pointsByClass(model, rule);
   ASSERT_GT(share[0], 5.0 * share[2]) << "or there is nothing to balance";
   const auto& plain = by_points.calibration.smoothing;
   const auto& even = balanced.calibration.smoothing;
@@ -198,6 +203,21 @@ TEST(LearnCalibrator, ExponentsAreNeverNegative) {
   }
   const auto found = calibrated({{1.0, -0.8, 0.5}, {0.0, 0.0, 0.0}}, false).calibration.smoothing;
   EXPECT_GT(found.exponents[0], 0.3);
+}
+
+TEST(LearnCalibrator, WherePosteriorsMisleadOnlySharesAreLeft) {
+  const Rule rule = {{-0.3, -0.3, -0.3}, {0.5, 0.0, -0.5}};
+  const Calibration found = calibrated(rule, false).calibration;
+  const std::vector<double> points = pointsByClass(someModel(), rule);
+  expectNear(found.smoothing.exponents, {0.0, 0.0, 0.0}, 0.0);
+  EXPECT_GE(found.temperature, 2.0 / 0.05);  // next to flat
+  const std::vector<ModelClass> classes = someModel().classes;
+  for (std::size_t c = 1; c < kClasses; ++c) {
+    const double expected = std::log(points[c] / points[0]);
+    const double priors = std::log(classes[c].prior / classes[0].prior);
+    EXPECT_NEAR(found.smoothing.offsets[c] - found.smoothing.offsets[0], expected, 0.02) << c;
+    EXPECT_NEAR(found.offsets[c] - found.offsets[0] + 0.95 * priors, expected, 0.02) << c;
+  }
 }
 
 TEST(LearnCalibrator, WithoutTwoClassesNothingIsChanged) {
