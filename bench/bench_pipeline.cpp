@@ -107,7 +107,8 @@ double percentile(std::vector<double> values, double share) {
 
 double updateMilliseconds(const ScanReport& report) {
   return report.stage_ms[static_cast<int>(Stage::kSum)] +
-         report.stage_ms[static_cast<int>(Stage::kClassify)];
+         report.stage_ms[static_cast<int>(Stage::kClassify)] +
+         report.stage_ms[static_cast<int>(Stage::kSmooth)];
 }
 
 /// Replays the scans; latencies of the second half, when the map is full, are added to `*ms`.

@@ -97,6 +97,7 @@ std::vector<DriveCase> driveCases() {
     q->smoothing_radii = {2, 8};
     q->classes = 3;
   });
+  cases.back().scans = 600;
   add("one_wide_support", [](Question* q) {
     q->features = {"spread_angle@8", "log_points@8", "cbrt_surface@1"};
     q->support_radius = 1;

@@ -111,8 +111,10 @@ class RandomDrive {
       place_ -= last_move_;  // back again
       return;
     }
-    if (kind < 92) {
+    if (kind < 84) {
       last_move_ = offset(1.5, 1.5, kind < 40 ? 1.5 : 0.0);
+    } else if (kind < 92) {
+      last_move_ = offset(9.0, 9.0, 0.0);
     } else if (kind < 94) {
       last_move_ = offset(0.0, 0.0, 0.3 * shape.nz);
     } else if (kind < 96) {
