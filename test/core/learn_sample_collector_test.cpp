@@ -59,7 +59,7 @@ TEST_F(LearnSampleCollector, TakesEveryVoxelOnceWithWhatTheClassifierSaw) {
   std::vector<std::vector<float>> expected;
   pipeline_.map().forEachVoxel([&](const VoxelIndex& voxel, std::size_t slot) {
     // The wire is alone at its height.
-    if (voxel.z < 10 || voxel.x > 40 || pipeline_.saliency(slot).points < 5) return;
+    if (voxel.z < 10 || voxel.x > 40 || pipeline_.saliency(slot).points < 3) return;
     const float* values = pipeline_.features(slot);
     expected.emplace_back(values, values + 3);
   });
@@ -82,7 +82,7 @@ TEST_F(LearnSampleCollector, TakesEveryVoxelOnceWithWhatTheClassifierSaw) {
 
 TEST_F(LearnSampleCollector, IgnoresPointsWithoutTruthOrFeatures) {
   SampleCollector collector(3, 3, 1000, 1);
-  const std::vector<Vector3d> points = {{3, 0, 0}, {3, 0.1, 0}, {3, 0.2, 0}, {500, 0, 0}};
+  const std::vector<Vector3d> points = {{3, 0, 0}, {3, 0.1, 0}, {3, 4, 0}, {500, 0, 0}};
   test::processAt(&pipeline_, points, Vector3d::Zero());
   collector.add(pipeline_, {1.0, 4.0, 0.0, 1.0});
   EXPECT_EQ(collector.counts(0).points, 2u);  // one with thin support, one outside the map
