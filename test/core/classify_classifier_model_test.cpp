@@ -233,9 +233,9 @@ TEST(ClassifierModel, TemperatureErrorsNameLineAndKey) {
 }
 
 TEST(ClassifierModel, SmoothingErrorsNameLineAndKey) {
-  const std::string radii = "radii_voxels: [3, 8]\n";
-  for (const std::string value : {"[0, 8]", "[3, 9]", "[-3]"}) {
-    expectParseError(radii, "radii_voxels: " + value + "\n", {":16:", "radii must be 1 to 8"});
+  const std::string radii = "radii_voxels: [4, 12]\n";
+  for (const std::string value : {"[0, 12]", "[4, 13]", "[-3]"}) {
+    expectParseError(radii, "radii_voxels: " + value + "\n", {":16:", "radii must be 1 to 12"});
   }
   expectParseError(radii, "radii_voxels: []\n", {":16:", "expected a radius"});
   for (const std::string value : {"[2.5, 8]", "5", "[a]", "{a: 3}"}) {
