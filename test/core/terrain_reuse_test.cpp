@@ -200,34 +200,19 @@ void expectThePoleCountsNoMore(const TerrainConfig& config, const ClassifierMode
   const std::vector<float> after = confidences(pipeline);
   ASSERT_GT(before.size(), after.size());
   before.erase(before.begin(), before.end() - static_cast<std::ptrdiff_t>(after.size()));
-  EXPECT_EQ(before != after, gap <= model.calibration.smoothing_radius_voxels);
+  EXPECT_EQ(before != after, gap <= model.calibration.smoothing.radii_voxels[0]);
 }
 
 TEST(Smoothing, LabelsAreAveragedAnewNextToWhatLeftTheMap) {
-<<<<<<< HEAD
-  TerrainConfig config = smallMap();
-  config.support_radius_voxels = 1;
-  ClassifierModel model = modelFor(config);
-  model.calibration.smoothing.radii_voxels = {8};
-  model.calibration.smoothing.exponents = {0.0, 1.0};
-  for (int gap = 3; gap <= 9; ++gap) {
-    // A pole at x = 0, and level ground from `gap` voxels on. When the pole has left, nothing that
-    // any feature looks at has changed.
-    std::vector<Vector3d> pole;
-    std::vector<Vector3d> ground;
-    for (int i = 0; i < 60; ++i) pole.emplace_back(0.05, 0.05, 0.02 * i);
-    for (int i = 0; i < 200; ++i) {
-      ground.emplace_back(0.1 * gap + 0.002 * i, 0.05 + 0.01 * (i % 7), 0.03);
-=======
   for (const auto& [support, smoothing] : {std::pair<int, int>{1, 8}, {1, 2}, {3, 7}, {4, 5}}) {
     TerrainConfig config = smallMap();
     config.support_radius_voxels = support;
     ClassifierModel model = modelFor(config);
-    model.calibration.smoothing_radius_voxels = smoothing;
+    model.calibration.smoothing.radii_voxels = {smoothing};
+    model.calibration.smoothing.exponents = {0.0, 1.0};
     for (int gap = support + 1; gap <= smoothing + 1; ++gap) {
       ASSERT_NO_FATAL_FAILURE(expectThePoleCountsNoMore(config, model, gap))
           << support << ", " << smoothing << ", " << gap;
->>>>>>> work-tests
     }
   }
 }
