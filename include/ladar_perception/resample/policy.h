@@ -6,7 +6,6 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -44,8 +43,9 @@ class Policy {
   /// As it is written in a specification, for reports.
   virtual std::string describe() const = 0;
   virtual bool needsNormals() const { return false; }
-  /// Multiplies every weight by this policy's. Throws std::runtime_error that names the policy, the
-  /// field it needs and what is there, if the cloud lacks it.
+  /// Multiplies every weight by this policy's; what leaves the range of float ends at its limits,
+  /// so that weights stay finite and greater than 0. Throws std::runtime_error that names the
+  /// policy, the field it needs and what is there, if the cloud lacks it.
   virtual void multiply(const PointAttributes& points, std::vector<float>* weights) const = 0;
 };
 
@@ -56,17 +56,25 @@ using Policies = std::vector<std::shared_ptr<const Policy>>;
 ///   uniform
 ///   range:min=3                          1 / max(range, min)^2, range from the sensor, m
 ///   normal_variation:mode=attract,ratio=16   mode attract (more where normals vary) or inhibit;
-///                                        weights from 1 to ratio, spread evenly over the points
-///   color:target=#b08060,softness=40,ratio=16   from ratio at the target to 1 far from it; softness
-///                                        is a distance in RGB of 0..255
-///   label:surface=0.2,linear=5           a factor per class name, 1 for others; `unknown` is a name
-/// `class_names` are those of labels 1, 2, ... Throws std::invalid_argument that says what is wrong
-/// and what was expected.
+///                                        weights from 1 to ratio, spread evenly over the points:
+///                                        by rank, equal where the variation is equal, and of the
+///                                        middle where there is no normal
+///   color:target=#b08060,softness=40,ratio=16   from ratio at the target to 1 far from it, half
+///   way
+///                                        at a distance of softness in RGB of 0..255 and nearly
+///                                        there at three times that; a ratio below 1 avoids the
+///                                        target
+///   label:surface=0.2,linear=5           a factor per class name, 1 for others; `unknown` is a
+///   name
+/// The values are the defaults, but for target and factors, which must be given. `class_names` are
+/// those of labels 1, 2, ... Throws std::invalid_argument that says what is wrong and what was
+/// expected. A cloud with a label that has no name is refused with std::runtime_error.
 std::shared_ptr<const Policy> makePolicy(const std::string& specification,
                                          const std::vector<std::string>& class_names = {
                                              "surface", "scatter", "linear"});
 
-/// The user's own: `weight(points, i)` > 0 for point i.
+/// The user's own: `weight(points, i)` for point i. std::runtime_error names policy and point where
+/// that is not finite or not greater than 0.
 std::shared_ptr<const Policy> makePolicy(
     std::string name, std::function<double(const PointAttributes&, std::size_t)> weight,
     bool needs_normals = false);
