@@ -17,9 +17,9 @@ namespace {
 // The radius falls by this from round to round; the last ones, by a smaller step, decide on places.
 constexpr float kFirstStep = 0.8F;
 constexpr float kLastStep = 0.9F;
-constexpr float kLastRounds = 0.45F;  // of the first radius
+constexpr float kLastRounds = 0.4F;  // of the first radius
 // Vertices lie up to half a cell from the cells around them, whose times are less by as much.
-constexpr float kVertexSlack = 0.6F;
+constexpr float kVertexSlack = 0.45F;
 // No count is reached by going on below this radius: there are no more cells.
 constexpr float kLeastRadius = 0.35F;
 
@@ -68,9 +68,14 @@ class Chooser {
         pool_(pool),
         tiles_(field->crust->keys, tileLevel(*field->crust, goal.first_radius)),
         bounds_(field->crust->size(), std::numeric_limits<float>::infinity()),
+        slack_(field->crust->size()),
         taken_(field->crust->size(), 0),
         chosen_(tiles_.size()),
-        fronts_(static_cast<std::size_t>(pool->size()), Fronts<Metric>(field)) {}
+        fronts_(static_cast<std::size_t>(pool->size()), Fronts<Metric>(field)) {
+    for (std::size_t i = 0; i < slack_.size(); ++i) {
+      slack_[i] = kVertexSlack * field->crust->edge(i) * field->nodes[i].slowness;
+    }
+  }
 
   SampleSet run(const SampleSet& before) {
     field_->reset(goal_.first_radius);
@@ -128,7 +133,7 @@ class Chooser {
     for (const uint32_t cell : cells) places.push_back(placeOf(cell));
     std::vector<WeightedPlace> witnesses;
     for (uint32_t cell = 0; cell < field_->crust->size(); ++cell) {
-      if (field_->arrivals[cell].time > 0.75F * goal_.first_radius && isLatest(*field_, cell)) {
+      if (field_->arrivals[cell].time > 0.85F * goal_.first_radius && isLatest(*field_, cell)) {
         witnesses.push_back({field_->crust->positions[cell], field_->crust->slowness[cell]});
       }
     }
@@ -195,24 +200,18 @@ class Chooser {
     }
   }
 
-  /// Time to a place from the samples in or on the way to a cell's neighbours and theirs. Where
-  /// cells are few, the nearest sample may be one whose front did not come to the cell.
+  /// Time to a place from the samples in a cell's neighbours and theirs. Where cells are few, the
+  /// nearest sample may be one whose front did not come to the cell.
   float nearestAround(uint32_t cell, const Eigen::Vector3f& place) const {
     const Crust& crust = *field_->crust;
     float time = std::numeric_limits<float>::infinity();
-    uint32_t last = kNoIndex;
-    const auto look = [&](uint32_t sample) {
-      if (sample == last || sample == kNoIndex) return;
-      last = sample;
-      const float slowness = 0.5F * (field_->nodes[cell].slowness + field_->nodes[sample].slowness);
-      time = std::min(time, (field_->samples[sample] - place).norm() * slowness);
-    };
     for (uint32_t k = crust.first_neighbor[cell]; k < crust.first_neighbor[cell + 1]; ++k) {
       const uint32_t side = crust.neighbors[k];
       for (uint32_t n = crust.first_neighbor[side]; n < crust.first_neighbor[side + 1]; ++n) {
         const uint32_t near = crust.neighbors[n];
-        look(field_->arrivals[near].owner);
-        if (taken_[near] != 0) look(near);
+        if (taken_[near] == 0) continue;
+        const float slowness = 0.5F * (field_->nodes[cell].slowness + field_->nodes[near].slowness);
+        time = std::min(time, (field_->samples[near] - place).norm() * slowness);
       }
     }
     return time;
@@ -229,6 +228,7 @@ class Chooser {
   ThreadPool* pool_;
   Tiles tiles_;
   std::vector<float> bounds_;   // of the time of the vertex near a cell: it can only fall
+  std::vector<float> slack_;    // how much later than a cell its vertex may be
   std::vector<uint8_t> taken_;  // cells with a sample
   std::vector<std::vector<Choice>> chosen_;  // by tile, in this round
   std::vector<Fronts<Metric>> fronts_;       // by thread
