@@ -17,7 +17,7 @@ struct ResampleConfig {
   double radius_m = 0.0;
   double time_budget_s = 0.0;
   double cell_size_m = 0.0;
-  int min_component_cells = 4;
+  int min_component_points = 5;
   bool nearest_original = false;
   int threads = 1;
 

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The farthest point strategy over a crust.
+#pragma once
+
+#include <Eigen/Core>
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+#include "ladar_perception/resample/fronts.h"
+#include "ladar_perception/util/thread_pool.h"
+
+namespace ladar_perception {
+
+/// When to stop: at the first of the conditions that are set. Lengths in cells.
+struct FarthestPointsGoal {
+  std::size_t count = 0;  ///< samples; 0: not set
+  float radius = 0;       ///< arrival time no cell exceeds; 0: not set
+  std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
+  /// First radius: samples that far apart are put in at random, farther ones need not be looked for.
+  float first_radius = 0;
+};
+
+/// Samples in the order of their choice, farthest first.
+struct SampleSet {
+  std::vector<uint32_t> cells;  ///< cell a sample lies in; no two in one
+  std::vector<Eigen::Vector3f> positions;
+  /// Greatest arrival time that is left when this sample and those before it are in. Among the first
+  /// samples, those of the random start, it is the straight distance times the mean slowness.
+  std::vector<float> covering;
+  float radius_reached = 0;  ///< the next sample would have been at most this far
+
+  std::size_t size() const { return cells.size(); }
+};
+
+/// Chooses samples. The strategy puts every sample at the place the fronts reach last, a vertex of
+/// the Voronoi diagram of those before, one after the other. Here
+/// 1. random cells farther than `first_radius` from all before make a start (a Poisson-disk set that
+///    covers every island of the crust): the many long fronts of the first samples are not run;
+/// 2. rounds with radii that fall by a tenth fill in all vertices farther than the radius, tile by
+///    tile, each at the circumcentre of its three nearest samples, not at the middle of a cell;
+/// 3. samples are put into the order of their distances.
+/// Time is O(cells + samples) but for a logarithm in step 3. `field` is left with all fronts.
+template <typename Metric>
+SampleSet chooseFarthestPoints(FrontField* field, const FarthestPointsGoal& goal, ThreadPool* pool);
+
+extern template SampleSet chooseFarthestPoints<Flood>(FrontField*, const FarthestPointsGoal&,
+                                                      ThreadPool*);
+extern template SampleSet chooseFarthestPoints<FastMarching>(FrontField*,
+                                                             const FarthestPointsGoal&,
+                                                             ThreadPool*);
+
+}  // namespace ladar_perception

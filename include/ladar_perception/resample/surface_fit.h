@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "ladar_perception/resample/voxel_pyramid.h"
+
+namespace ladar_perception {
+
+/// An elliptic piece of surface, fitted to the points of a voxel and the 26 around it. Lengths in
+/// cells.
+struct SurfaceFit {
+  Eigen::Vector3f center = Eigen::Vector3f::Zero();
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, towards the sensor
+  Eigen::Vector3f major = Eigen::Vector3f::Zero();   ///< unit, along the longer semi-axis
+  float semi_major = 0;
+  float semi_minor = 0;
+  float trust = 1;   ///< weight where pieces overlap: coarse ones give way to fine ones
+  float weight = 1;  ///< mean of the points' weights
+};
+
+/// Eigenvalues and the plane of summed points.
+struct PlaneFit {
+  Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  Eigen::Vector3f major = Eigen::Vector3f::Zero();
+  float l0 = 0, l1 = 0, l2 = 0;
+};
+/// Of at least one point.
+PlaneFit fitPlane(const PointSums& sums);
+
+/// Points a plane needs: with fewer its normal is a guess.
+constexpr float kPlanePoints = 8;
+/// Levels that gaps between points are bridged over: voxels eight times as wide.
+constexpr int kBridgeLevels = 3;
+
+/// Pieces of surface for voxels of `level`, those with `wanted[i]` set (all if it is empty): each by
+/// the first level, up to kBridgeLevels more, at which voxel and neighbours hold kPlanePoints.
+/// Coarser levels must be planar, so that foliage is not bridged; a line (a scan ring, a wire) stays
+/// one unless a coarser level finds the plane it lies in. A voxel left alone gets a piece of its own
+/// size that faces the sensor. In the order of levels, then of Morton keys.
+std::vector<SurfaceFit> fitSurface(const VoxelPyramid& pyramid, int level,
+                                   const std::vector<uint8_t>& wanted,
+                                   const Eigen::Vector3f& sensor, ThreadPool* pool);
+
+/// Sums over every wanted voxel of a level and its 26 neighbours, about its own brick's centre.
+std::vector<PointSums> sumNeighborhoods(const VoxelLevel& level, int level_number,
+                                        const std::vector<uint8_t>& wanted, ThreadPool* pool);
+
+}  // namespace ladar_perception

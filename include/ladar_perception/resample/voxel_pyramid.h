@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "ladar_perception/resample/grid_points.h"
+#include "ladar_perception/resample/sparse_grid.h"
+#include "ladar_perception/util/thread_pool.h"
+
+namespace ladar_perception {
+
+/// Sums over the points of a voxel, about the centre of the voxel's brick, in cells.
+struct alignas(16) PointSums {
+  float count = 0, x = 0, y = 0, z = 0;
+  float xx = 0, xy = 0, xz = 0, yy = 0;
+  float yz = 0, zz = 0, weight = 0, unused = 0;
+
+  void add(const Eigen::Vector3f& p, float point_weight);
+  void add(const PointSums& other);
+  /// The same sums about a centre that lies at -`offset` from the one they are about.
+  PointSums movedBy(const Eigen::Vector3f& offset) const;
+};
+
+/// One size of voxel: edge 2^level cells.
+struct VoxelLevel {
+  SparseGrid grid;
+  std::vector<PointSums> sums;
+  std::vector<uint32_t> first_child;  ///< in the level below (level 0: among the points)
+  std::vector<uint32_t> first_point;  ///< one entry more than voxels
+};
+
+/// Voxels that hold points, of every size from one cell up.
+class VoxelPyramid {
+ public:
+  /// `weights` by source; empty means 1.
+  VoxelPyramid(const GridPoints& points, const std::vector<float>& weights, int levels);
+
+  int levels() const { return static_cast<int>(levels_.size()); }
+  const VoxelLevel& level(int level) const { return levels_[static_cast<std::size_t>(level)]; }
+
+ private:
+  std::vector<VoxelLevel> levels_;
+};
+
+/// Centre of a brick of voxels of 2^level cells, in cells from the origin.
+inline Eigen::Vector3f brickCenter(uint64_t brick_key, int level) {
+  return cubeCenter(brick_key, level + 2);
+}
+
+}  // namespace ladar_perception

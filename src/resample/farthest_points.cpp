@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ladar_perception/resample/farthest_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numeric>
+
+#include "ladar_perception/resample/sample_order.h"
+#include "ladar_perception/resample/tiles.h"
+#include "ladar_perception/resample/voronoi_vertex.h"
+
+namespace ladar_perception {
+namespace {
+
+// Rounds fall by this: with more, samples of one round would be put in out of their order.
+constexpr float kRadiusStep = 0.9F;
+// Vertices lie up to half a cell from the cells around them, whose times are less by as much.
+constexpr float kVertexSlack = 0.6F;
+// No count is reached by going on below this radius: there are no more cells.
+constexpr float kLeastRadius = 0.35F;
+
+struct Choice {
+  uint32_t cell;
+  float time;
+};
+
+/// Steps through [0, size) in a scrambled order.
+class Scramble {
+ public:
+  explicit Scramble(uint32_t size) : size_(size), step_(static_cast<uint32_t>(0.618 * size) | 1U) {
+    while (std::gcd(step_, size_) != 1) step_ += 2;
+  }
+  uint32_t next() {
+    at_ = static_cast<uint32_t>((uint64_t{at_} + step_) % size_);
+    return at_;
+  }
+
+ private:
+  uint32_t size_;
+  uint32_t step_;
+  uint32_t at_ = 0;
+};
+
+/// A tile wide enough that fronts of `first_radius` and what they read stay within half of it.
+int tileLevel(const Crust& crust, float first_radius) {
+  float fastest = 0.0F;
+  float largest = 1.0F;
+  for (std::size_t i = 0; i < crust.size(); ++i) {
+    fastest = std::max(fastest, 1.0F / crust.slowness[i]);
+    largest = std::max(largest, crust.edge(i));
+  }
+  const float reach = first_radius * fastest + 3.0F * largest;
+  int level = 4;
+  while (static_cast<float>(1 << level) < 2.0F * reach && level < 18) ++level;
+  return level;
+}
+
+template <typename Metric>
+class Chooser {
+ public:
+  Chooser(FrontField* field, const FarthestPointsGoal& goal, ThreadPool* pool)
+      : field_(field),
+        goal_(goal),
+        pool_(pool),
+        tiles_(field->crust->keys, tileLevel(*field->crust, goal.first_radius)),
+        chosen_(tiles_.size()),
+        fronts_(static_cast<std::size_t>(pool->size()), Fronts<Metric>(field)) {}
+
+  SampleSet run() {
+    start();
+    orderStart();
+    float radius = goal_.first_radius;
+    while (!done(radius)) {
+      radius = std::max(radius * kRadiusStep, goal_.radius);
+      fillRound(radius);
+    }
+    set_.radius_reached = std::max(latest(), left_out_);
+    if (set_.size() > 0) set_.covering.back() = set_.radius_reached;
+    return std::move(set_);
+  }
+
+ private:
+  bool done(float radius) const {
+    if (goal_.count > 0 && set_.size() >= goal_.count) return true;
+    if (goal_.radius > 0 && radius <= goal_.radius) return true;
+    return radius < kLeastRadius || std::chrono::steady_clock::now() >= goal_.deadline;
+  }
+
+  void start() {
+    field_->reset(goal_.first_radius);
+    tiles_.run(pool_, [this](int thread, std::size_t i) {
+      const Tiles::Tile& tile = tiles_.tile(i);
+      Scramble order(tile.end - tile.first);
+      for (uint32_t n = tile.first; n < tile.end; ++n) {
+        const uint32_t cell = tile.first + order.next();
+        if (field_->arrivals[cell].time < goal_.first_radius) continue;
+        fronts_[static_cast<std::size_t>(thread)].insert(cell, field_->crust->positions[cell]);
+        chosen_[i].push_back({cell, goal_.first_radius});
+      }
+    });
+  }
+
+  /// The start's samples, farthest first, with the vertices between them as witnesses.
+  void orderStart() {
+    std::vector<WeightedPlace> places;
+    std::vector<uint32_t> cells;
+    for (const std::vector<Choice>& choices : chosen_) {
+      for (const Choice& choice : choices) cells.push_back(choice.cell);
+    }
+    std::sort(cells.begin(), cells.end());
+    for (const uint32_t cell : cells) places.push_back(placeOf(cell));
+    std::vector<WeightedPlace> witnesses;
+    for (uint32_t cell = 0; cell < field_->crust->size(); ++cell) {
+      if (field_->arrivals[cell].time > 0.5F * goal_.first_radius && isLatest(*field_, cell)) {
+        witnesses.push_back({field_->crust->positions[cell], field_->crust->slowness[cell]});
+      }
+    }
+    const PlaceOrder order = orderFarthestFirst(places, witnesses);
+    std::size_t size = order.order.size();
+    if (goal_.count > 0 && size > goal_.count) {
+      size = goal_.count;
+      left_out_ = order.covering[size - 1];
+    }
+    for (std::size_t i = 0; i < size; ++i) {
+      const uint32_t cell = cells[order.order[i]];
+      set_.cells.push_back(cell);
+      set_.positions.push_back(field_->samples[cell]);
+      set_.covering.push_back(order.covering[i]);
+    }
+  }
+
+  WeightedPlace placeOf(uint32_t cell) const {
+    return {field_->samples[cell], field_->crust->slowness[cell]};
+  }
+
+  /// Puts samples at all vertices farther than `radius`; of the last round only the farthest count.
+  void fillRound(float radius) {
+    tiles_.run(pool_, [&](int thread, std::size_t i) {
+      chosen_[i].clear();
+      fillTile(radius, &fronts_[static_cast<std::size_t>(thread)], i);
+    });
+    std::vector<Choice> choices;
+    for (const std::vector<Choice>& of_tile : chosen_) {
+      choices.insert(choices.end(), of_tile.begin(), of_tile.end());
+    }
+    std::sort(choices.begin(), choices.end(), [](const Choice& a, const Choice& b) {
+      return a.time != b.time ? a.time > b.time : a.cell < b.cell;
+    });
+    for (const Choice& choice : choices) {
+      if (goal_.count > 0 && set_.size() == goal_.count) {
+        left_out_ = std::max(left_out_, choice.time);
+        break;
+      }
+      if (!set_.covering.empty()) {
+        set_.covering.back() = std::min(set_.covering.back(), std::max(choice.time, radius));
+      }
+      set_.cells.push_back(choice.cell);
+      set_.positions.push_back(field_->samples[choice.cell]);
+      set_.covering.push_back(choice.time);
+    }
+  }
+
+  void fillTile(float radius, Fronts<Metric>* fronts, std::size_t i) {
+    struct Candidate {
+      uint32_t cell;
+      VoronoiVertex vertex;
+    };
+    std::vector<Candidate> candidates;
+    const Tiles::Tile& tile = tiles_.tile(i);
+    do {
+      candidates.clear();
+      for (uint32_t cell = tile.first; cell < tile.end; ++cell) {
+        const float slack = kVertexSlack * field_->crust->edge(cell) * field_->nodes[cell].slowness;
+        const FrontField::Arrival& arrival = field_->arrivals[cell];
+        if (arrival.time + slack < radius || arrival.owner == cell) continue;
+        if (!isLatest(*field_, cell)) continue;
+        const VoronoiVertex vertex = findVertex(*field_, cell);
+        if (vertex.time >= radius) candidates.push_back({cell, vertex});
+      }
+      std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+        return a.vertex.time != b.vertex.time ? a.vertex.time > b.vertex.time : a.cell < b.cell;
+      });
+      for (Candidate& candidate : candidates) {
+        // Fronts of this round may have come by.
+        candidate.vertex = findVertex(*field_, candidate.cell);
+        if (candidate.vertex.time < radius) continue;
+        fronts->insert(candidate.cell, candidate.vertex.position);
+        chosen_[i].push_back({candidate.cell, candidate.vertex.time});
+      }
+    } while (!candidates.empty());
+  }
+
+  float latest() const {
+    float time = 0.0F;
+    for (const FrontField::Arrival& arrival : field_->arrivals) time = std::max(time, arrival.time);
+    return time;
+  }
+
+  FrontField* field_;
+  FarthestPointsGoal goal_;
+  ThreadPool* pool_;
+  Tiles tiles_;
+  std::vector<std::vector<Choice>> chosen_;  // by tile, in this round
+  std::vector<Fronts<Metric>> fronts_;       // by thread
+  SampleSet set_;
+  float left_out_ = 0.0F;  // arrival time at the farthest place chosen but not taken
+};
+
+}  // namespace
+
+template <typename Metric>
+SampleSet chooseFarthestPoints(FrontField* field, const FarthestPointsGoal& goal,
+                               ThreadPool* pool) {
+  if (field->crust->size() == 0) return {};
+  return Chooser<Metric>(field, goal, pool).run();
+}
+
+template SampleSet chooseFarthestPoints<Flood>(FrontField*, const FarthestPointsGoal&, ThreadPool*);
+template SampleSet chooseFarthestPoints<FastMarching>(FrontField*, const FarthestPointsGoal&,
+                                                      ThreadPool*);
+
+}  // namespace ladar_perception

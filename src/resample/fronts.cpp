@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ladar_perception/resample/fronts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ladar_perception {
+namespace {
+
+constexpr float kNever = std::numeric_limits<float>::infinity();
+
+// Surface is flat between two places if their normals differ by less than 26 degrees: a chord is
+// then 1 % shorter than the arc. The chord leaves the tangent plane by half the angle.
+constexpr float kFlatCosine = 0.9F;
+constexpr float kFlatRise = 0.25F;
+// Half a cell more, for noise of the places next to the sample.
+constexpr float kFlatNoise = 0.5F;
+// Slowness is even if it differs by less than this part.
+constexpr float kEvenSlowness = 0.1F;
+// The box around a sample that the front crosses straight, in cells from it.
+constexpr float kBox = 2.5F;
+// A cell sees the sample past a neighbour that sees it and lies this near to the line of sight.
+constexpr float kSightWidth = 0.8F;
+
+float straight(const FrontField::Node& node, const FrontSource& source, Eigen::Vector3f* d) {
+  *d = node.position() - source.position;
+  return d->norm() * 0.5F * (node.slowness + source.slowness);
+}
+
+/// Distance from the virtual source of a front that has gone r_a and r_b to two places `ab` apart, to
+/// a third that lies ac and bc from them; kNever if the front does not come through between them.
+float throughTwo(float r_a, float r_b, float ab, float ac, float bc) {
+  const float by_ab = 0.5F / ab;
+  const float source_x = (r_a * r_a + ab * ab - r_b * r_b) * by_ab;
+  const float source_y2 = r_a * r_a - source_x * source_x;
+  if (source_y2 < 0.0F) return kNever;
+  const float cell_x = (ac * ac + ab * ab - bc * bc) * by_ab;
+  const float cell_y2 = ac * ac - cell_x * cell_x;
+  if (cell_y2 <= 0.0F) return kNever;
+  const float source_y = std::sqrt(source_y2);
+  const float height = source_y + std::sqrt(cell_y2);
+  const float run = cell_x - source_x;
+  const float crossing = source_x + run * source_y / height;
+  if (crossing < 0.0F || crossing > ab) return kNever;
+  return std::sqrt(run * run + height * height);
+}
+
+class EikonalUpdate {
+ public:
+  EikonalUpdate(const FrontField& field, uint32_t owner, uint32_t from, uint32_t cell)
+      : field_(field),
+        owner_(owner),
+        from_(from),
+        cell_(cell),
+        p_cell_(field.nodes[cell].position()),
+        p_from_(field.nodes[from].position()),
+        step_((p_cell_ - p_from_).norm()) {}
+
+  float solve() const {
+    const FrontField::Node& here = field_.nodes[cell_];
+    const FrontField::Node& before = field_.nodes[from_];
+    const float time_from = field_.arrivals[from_].time;
+    float best = time_from + step_ * 0.5F * (here.slowness + before.slowness);
+    const Crust& crust = *field_.crust;
+    for (uint32_t k = crust.first_neighbor[cell_]; k < crust.first_neighbor[cell_ + 1]; ++k) {
+      const uint32_t other = crust.neighbors[k];
+      if (other == from_ || field_.arrivals[other].owner != owner_) continue;
+      const FrontField::Node& side = field_.nodes[other];
+      const float slowness =
+          0.5F * here.slowness + 0.25F * (before.slowness + side.slowness);
+      const Eigen::Vector3f p_side = side.position();
+      const float distance =
+          throughTwo(time_from / slowness, field_.arrivals[other].time / slowness,
+                     (p_side - p_from_).norm(), step_, (p_side - p_cell_).norm());
+      best = std::min(best, distance * slowness);
+    }
+    return best;
+  }
+
+ private:
+  const FrontField& field_;
+  uint32_t owner_;
+  uint32_t from_;
+  uint32_t cell_;
+  Eigen::Vector3f p_cell_;
+  Eigen::Vector3f p_from_;
+  float step_;
+};
+
+/// Whether one of the neighbours that see the sample lies on the line of sight to the cell.
+bool seesPast(const FrontField& field, const FrontSource& source, uint32_t cell,
+              const Eigen::Vector3f& d) {
+  const Crust& crust = *field.crust;
+  const float width = kSightWidth * crust.edge(cell);
+  const float limit = width * width * d.squaredNorm();
+  for (uint32_t k = crust.first_neighbor[cell]; k < crust.first_neighbor[cell + 1]; ++k) {
+    const uint32_t other = crust.neighbors[k];
+    if (field.arrivals[other].owner != source.cell || field.in_sight[other] == 0) continue;
+    const Eigen::Vector3f e = field.nodes[other].position() - source.position;
+    if (e.squaredNorm() < d.squaredNorm() && e.dot(d) >= 0.0F &&
+        e.cross(d).squaredNorm() <= limit) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+FrontField::FrontField(const Crust& crust_of_fronts)
+    : crust(&crust_of_fronts),
+      nodes(crust_of_fronts.size()),
+      arrivals(crust_of_fronts.size()),
+      samples(crust_of_fronts.size()),
+      in_sight(crust_of_fronts.size()) {
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const Eigen::Vector3f& p = crust->positions[i];
+    nodes[i] = {p.x(), p.y(), p.z(), crust->slowness[i]};
+  }
+  reset(kNever);
+}
+
+void FrontField::reset(float limit) {
+  std::fill(arrivals.begin(), arrivals.end(), Arrival{limit, kNoIndex});
+}
+
+float Flood::arrive(const FrontField& field, const FrontSource& source, uint32_t /*from*/,
+                    uint32_t cell, bool* /*in_sight*/) {
+  Eigen::Vector3f d;
+  return straight(field.nodes[cell], source, &d);
+}
+
+float FastMarching::arrive(const FrontField& field, const FrontSource& source, uint32_t from,
+                           uint32_t cell, bool* in_sight) {
+  const FrontField::Node& node = field.nodes[cell];
+  Eigen::Vector3f d;
+  const float time = straight(node, source, &d);
+  const Crust& crust = *field.crust;
+  const float length2 = d.squaredNorm();
+  const float edge = crust.edge(cell);
+  const float rise = std::abs(source.normal.dot(d)) - kFlatNoise * edge;
+  const bool flat = source.normal.dot(crust.normals[cell]) > kFlatCosine &&
+                    (rise < 0.0F || rise * rise < kFlatRise * kFlatRise * length2) &&
+                    std::abs(node.slowness - source.slowness) < kEvenSlowness * source.slowness;
+  *in_sight = flat && (length2 < kBox * kBox * edge * edge || seesPast(field, source, cell, d));
+  if (*in_sight) return time;
+  // No way is shorter than the straight one: what cannot be earlier need not be solved for.
+  if (flat && time >= field.arrivals[cell].time) return time;
+  return EikonalUpdate(field, source.cell, from, cell).solve();
+}
+
+template <typename Metric>
+void Fronts<Metric>::push(uint32_t cell, float time, uint32_t owner, bool in_sight) {
+  field_->arrivals[cell] = {time, owner};
+  field_->in_sight[cell] = in_sight ? 1 : 0;
+  queue_.push_back(cell);
+}
+
+template <typename Metric>
+void Fronts<Metric>::insert(uint32_t cell, const Eigen::Vector3f& position) {
+  const Crust& crust = *field_->crust;
+  const FrontField::Node& node = field_->nodes[cell];
+  const FrontSource source = {cell, position, crust.normals[cell], node.slowness};
+  field_->samples[cell] = position;
+  queue_.clear();
+  Eigen::Vector3f d;
+  push(cell, straight(node, source, &d), cell, true);
+  // Fronts are a few cells long: first in, first out visits them nearly in the order of arrival,
+  // and a cell that is reached earlier on another way is visited again.
+  for (std::size_t head = 0; head < queue_.size(); ++head) {
+    const uint32_t from = queue_[head];
+    const uint32_t end = crust.first_neighbor[from + 1];
+    for (uint32_t k = crust.first_neighbor[from]; k < end; ++k) {
+      const uint32_t to = crust.neighbors[k];
+      const FrontField::Arrival& known = field_->arrivals[to];
+      if (known.owner == cell &&
+          (Metric::kOneVisit || known.time <= field_->arrivals[from].time)) {
+        continue;
+      }
+      bool in_sight = false;
+      const float time = Metric::arrive(*field_, source, from, to, &in_sight);
+      // A least gain, so that rounding cannot send cells around in circles.
+      const float gain = known.owner == cell ? 1e-4F * time : 0.0F;
+      if (time < known.time - gain) push(to, time, cell, in_sight);
+    }
+  }
+}
+
+template class Fronts<Flood>;
+template class Fronts<FastMarching>;
+
+}  // namespace ladar_perception

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ladar_perception/resample/grid_points.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "ladar_perception/resample/morton.h"
+
+namespace ladar_perception {
+namespace {
+
+struct KeyedPoint {
+  uint64_t key;
+  uint32_t index;
+};
+
+/// Least significant digit first, of the bits that differ only. Stable.
+void radixSort(std::vector<KeyedPoint>* points) {
+  constexpr int kDigitBits = 11;
+  constexpr uint64_t kDigits = uint64_t{1} << kDigitBits;
+  if (points->empty()) return;
+  uint64_t differing = 0;
+  for (const KeyedPoint& point : *points) differing |= point.key ^ points->front().key;
+  std::vector<KeyedPoint> other(points->size());
+  for (int shift = 0; differing >> shift != 0; shift += kDigitBits) {
+    if ((differing >> shift & (kDigits - 1)) == 0) continue;
+    std::array<uint32_t, kDigits> place{};
+    for (const KeyedPoint& point : *points) ++place[point.key >> shift & (kDigits - 1)];
+    uint32_t sum = 0;
+    for (uint32_t& entry : place) {
+      const uint32_t count = entry;
+      entry = sum;
+      sum += count;
+    }
+    for (const KeyedPoint& point : *points) {
+      other[place[point.key >> shift & (kDigits - 1)]++] = point;
+    }
+    points->swap(other);
+  }
+}
+
+/// Points of a cube: all of them, those with no smaller cube of enough points, and their weight.
+struct CubeCount {
+  uint64_t key;
+  uint32_t points;
+  double open_weight;
+};
+
+}  // namespace
+
+uint64_t cellKey(const Eigen::Vector3f& p) {
+  const auto cell = [](float value) {
+    return static_cast<uint32_t>(static_cast<int32_t>(std::floor(value)) +
+                                 static_cast<int32_t>(GridFrame::kOriginCell));
+  };
+  return morton::encode(cell(p.x()), cell(p.y()), cell(p.z()));
+}
+
+Eigen::Vector3f cubeCenter(uint64_t key, int level) {
+  const auto center = [level](uint32_t cube) {
+    const int64_t twice = (2 * static_cast<int64_t>(cube) + 1) << level;
+    return 0.5F * static_cast<float>(twice - 2 * int64_t{GridFrame::kOriginCell});
+  };
+  return {center(morton::x(key)), center(morton::y(key)), center(morton::z(key))};
+}
+
+GridPoints sortIntoGrid(const std::vector<Eigen::Vector3d>& positions_m, const GridFrame& frame) {
+  std::vector<Eigen::Vector3f> cells(positions_m.size());
+  std::vector<KeyedPoint> keyed;
+  keyed.reserve(positions_m.size());
+  for (std::size_t i = 0; i < positions_m.size(); ++i) {
+    const Eigen::Vector3d p = frame.toCells(positions_m[i]);
+    if (!frame.reaches(p)) continue;
+    cells[i] = p.cast<float>();
+    keyed.push_back({cellKey(cells[i]), static_cast<uint32_t>(i)});
+  }
+  radixSort(&keyed);
+  GridPoints points;
+  points.frame = frame;
+  points.keys.resize(keyed.size());
+  points.sources.resize(keyed.size());
+  points.positions.resize(keyed.size());
+  for (std::size_t i = 0; i < keyed.size(); ++i) {
+    points.keys[i] = keyed[i].key;
+    points.sources[i] = keyed[i].index;
+    points.positions[i] = cells[keyed[i].index];
+  }
+  return points;
+}
+
+Eigen::Vector3d gridOrigin(const std::vector<Eigen::Vector3d>& positions_m, double cell_m) {
+  if (positions_m.empty()) return Eigen::Vector3d::Zero();
+  Eigen::Vector3d least = positions_m.front();
+  Eigen::Vector3d greatest = positions_m.front();
+  for (const Eigen::Vector3d& p : positions_m) {
+    least = least.cwiseMin(p);
+    greatest = greatest.cwiseMax(p);
+  }
+  if ((greatest - least).maxCoeff() < GridFrame::kReachCells * cell_m) return least;
+  std::vector<double> values(positions_m.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = positions_m[i][axis];
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    least[axis] = *middle;
+  }
+  return least;
+}
+
+double estimateArea(const GridPoints& points, const std::vector<float>& weights) {
+  constexpr uint32_t kEnough = 4;
+  // A plane through a grid of cubes meets 1 to 1.7 of them for every one's face.
+  constexpr double kCubesPerFace = 1.3;
+  std::vector<CubeCount> cubes;
+  cubes.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double weight = weights.empty() ? 1.0 : double{weights[points.sources[i]]};
+    if (cubes.empty() || cubes.back().key != points.keys[i]) cubes.push_back({points.keys[i], 0, 0});
+    ++cubes.back().points;
+    cubes.back().open_weight += weight;
+  }
+  double area_cells = 0.0;
+  double face = 1.0;
+  for (int level = 0; level < morton::kBitsPerAxis && !cubes.empty(); ++level, face *= 4.0) {
+    std::size_t kept = 0;
+    bool open = false;
+    for (std::size_t i = 0; i < cubes.size(); ++i) {
+      CubeCount cube = cubes[i];
+      if (cube.points >= kEnough && cube.open_weight > 0.0) {
+        area_cells += face * cube.open_weight / cube.points;
+        cube.open_weight = 0.0;
+      }
+      open = open || cube.open_weight > 0.0;
+      cube.key >>= 3;
+      if (kept > 0 && cubes[kept - 1].key == cube.key) {
+        cubes[kept - 1].points += cube.points;
+        cubes[kept - 1].open_weight += cube.open_weight;
+      } else {
+        cubes[kept++] = cube;
+      }
+    }
+    cubes.resize(kept);
+    if (!open) break;
+  }
+  return area_cells / kCubesPerFace * points.frame.cell_m * points.frame.cell_m;
+}
+
+}  // namespace ladar_perception

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ladar_perception/resample/surface_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ladar_perception/resample/morton.h"
+#include "ladar_perception/resample/parallel.h"
+#include "ladar_perception/saliency/eigen_symmetric3.h"
+
+namespace ladar_perception {
+namespace {
+
+// A uniform sampling of a square of half-width b has the standard deviation b / sqrt(3): 1.5 of them
+// stay inside the square, so that crusts end where the points end.
+constexpr float kSemiAxisPerDeviation = 1.5F;
+// Pieces of neighbouring voxels overlap by this (in voxels); larger ones would round off edges.
+constexpr float kLargestSemiAxis = 1.3F;
+// Narrower pieces could slip through between the centres of cells.
+constexpr float kLeastSemiAxis = 0.75F;
+// Points are on a line if the second eigenvalue is below this part of the first.
+constexpr float kLineRatio = 0.1F;
+// Points are planar if the third eigenvalue is below this part of the second.
+constexpr float kPlanarRatio = 0.05F;
+
+/// What became of a voxel at one level.
+enum class Fate : uint8_t { kNotWanted, kSurface, kLine, kOpen };
+
+Eigen::Vector3f towards(const Eigen::Vector3f& sensor, const Eigen::Vector3f& from,
+                        const Eigen::Vector3f& normal) {
+  return normal.dot(sensor - from) < 0.0F ? Eigen::Vector3f(-normal) : normal;
+}
+
+float semiAxis(float eigenvalue, float edge) {
+  return std::clamp(kSemiAxisPerDeviation * std::sqrt(std::max(eigenvalue, 0.0F)),
+                    kLeastSemiAxis, kLargestSemiAxis * edge);
+}
+
+/// The part of the direction to the sensor across `along` (zero: any), unit length.
+Eigen::Vector3f facing(const Eigen::Vector3f& sensor, const Eigen::Vector3f& from,
+                       const Eigen::Vector3f& along) {
+  Eigen::Vector3f normal = sensor - from;
+  normal -= normal.dot(along) * along;
+  const float length = normal.norm();
+  if (length > 1e-3F) return normal / length;
+  const Eigen::Vector3f any = std::abs(along.z()) < 0.9F ? Eigen::Vector3f::UnitZ()
+                                                         : Eigen::Vector3f::UnitX();
+  return (any - any.dot(along) * along).normalized();
+}
+
+class Fitter {
+ public:
+  Fitter(const VoxelPyramid& pyramid, int level, const Eigen::Vector3f& sensor, ThreadPool* pool)
+      : pyramid_(pyramid), base_(level), sensor_(sensor), pool_(pool) {}
+
+  std::vector<SurfaceFit> run(const std::vector<uint8_t>& wanted) {
+    std::vector<uint8_t> now = wanted;
+    if (now.empty()) now.assign(pyramid_.level(base_).grid.size(), 1);
+    for (int level = base_; level < pyramid_.levels() && level <= base_ + kBridgeLevels; ++level) {
+      fitLevel(level, now);
+      if (level + 1 < pyramid_.levels()) now = parentsOfUnfinished(level);
+    }
+    addLeftOver();
+    return std::move(fits_);
+  }
+
+ private:
+  void fitLevel(int level, const std::vector<uint8_t>& wanted) {
+    const VoxelLevel& voxels = pyramid_.level(level);
+    const std::vector<PointSums> sums = sumNeighborhoods(voxels, level, wanted, pool_);
+    std::vector<SurfaceFit> fits(voxels.grid.size());
+    fates_.emplace_back(voxels.grid.size(), Fate::kNotWanted);
+    std::vector<Fate>& fates = fates_.back();
+    parallelFor(pool_, voxels.grid.bricks().size(), 256, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t brick = begin; brick < end; ++brick) {
+        const Eigen::Vector3f center = brickCenter(voxels.grid.bricks()[brick].key, level);
+        const uint32_t last = voxels.grid.brickEnd(brick);
+        for (uint32_t i = voxels.grid.bricks()[brick].first; i < last; ++i) {
+          if (wanted[i] == 0) continue;
+          fates[i] = fit(sums[i], center, level, &fits[i]);
+          fits[i].weight = voxels.sums[i].weight / voxels.sums[i].count;
+        }
+      }
+    });
+    for (std::size_t i = 0; i < fits.size(); ++i) {
+      if (fates[i] == Fate::kSurface || fates[i] == Fate::kLine) fits_.push_back(fits[i]);
+    }
+  }
+
+  Fate fit(const PointSums& sums, const Eigen::Vector3f& brick_center, int level,
+           SurfaceFit* piece) const {
+    if (sums.count < kPlanePoints) return Fate::kOpen;
+    const PlaneFit plane = fitPlane(sums);
+    const bool line = plane.l1 < kLineRatio * plane.l2;
+    if (level > base_ && (line || plane.l0 > kPlanarRatio * plane.l1)) return Fate::kOpen;
+    const auto edge = static_cast<float>(1 << level);
+    const float least = static_cast<float>(1 << base_);
+    piece->center = brick_center + plane.mean;
+    piece->normal = line ? facing(sensor_, piece->center, plane.major)
+                         : towards(sensor_, piece->center, plane.normal);
+    piece->major = plane.major;
+    piece->semi_major = std::max(semiAxis(plane.l2, edge), kLeastSemiAxis * least);
+    piece->semi_minor = std::max(semiAxis(plane.l1, edge), kLeastSemiAxis * least);
+    piece->trust = 1.0F / static_cast<float>(1 << 3 * (level - base_));
+    return line ? Fate::kLine : Fate::kSurface;
+  }
+
+  std::vector<uint8_t> parentsOfUnfinished(int level) const {
+    const std::vector<Fate>& fates = fates_.back();
+    const VoxelLevel& above = pyramid_.level(level + 1);
+    std::vector<uint8_t> wanted(above.grid.size(), 0);
+    for (std::size_t parent = 0; parent < wanted.size(); ++parent) {
+      const std::size_t end =
+          parent + 1 < wanted.size() ? above.first_child[parent + 1] : fates.size();
+      for (std::size_t child = above.first_child[parent]; child < end; ++child) {
+        if (fates[child] == Fate::kOpen || fates[child] == Fate::kLine) wanted[parent] = 1;
+      }
+    }
+    return wanted;
+  }
+
+  /// A piece of its own for every voxel that no level found a surface for.
+  void addLeftOver() {
+    const VoxelLevel& voxels = pyramid_.level(base_);
+    const auto edge = static_cast<float>(1 << base_);
+    for (std::size_t i = 0; i < voxels.grid.size(); ++i) {
+      if (fates_[0][i] != Fate::kOpen) continue;
+      uint64_t key = voxels.grid.keys()[i];
+      const PointSums& sums = voxels.sums[i];
+      bool found = false;
+      for (std::size_t up = 1; up < fates_.size() && !found; ++up) {
+        const uint32_t above =
+            pyramid_.level(base_ + static_cast<int>(up)).grid.find(key >> 3 * up);
+        found = fates_[up][above] == Fate::kSurface;
+      }
+      if (found) continue;
+      SurfaceFit piece;
+      piece.center = brickCenter(key >> 6, base_) +
+                     Eigen::Vector3f(sums.x, sums.y, sums.z) / sums.count;
+      piece.normal = facing(sensor_, piece.center, Eigen::Vector3f::Zero());
+      piece.major = facing(sensor_, piece.center, piece.normal);
+      piece.semi_major = piece.semi_minor = kLeastSemiAxis * edge;
+      piece.weight = sums.weight / sums.count;
+      fits_.push_back(piece);
+    }
+  }
+
+  const VoxelPyramid& pyramid_;
+  int base_;
+  Eigen::Vector3f sensor_;
+  ThreadPool* pool_;
+  std::vector<std::vector<Fate>> fates_;  // by level from base_
+  std::vector<SurfaceFit> fits_;
+};
+
+/// Adds up the 27 voxels around every wanted one of a brick.
+class BrickSums {
+ public:
+  BrickSums(const VoxelLevel& level, int level_number) : level_(level), number_(level_number) {}
+
+  void add(std::size_t brick, const std::vector<uint8_t>& wanted, std::vector<PointSums>* out) {
+    const SparseGrid::Brick& here = level_.grid.bricks()[brick];
+    const uint32_t end = level_.grid.brickEnd(brick);
+    if (std::none_of(wanted.begin() + here.first, wanted.begin() + end,
+                     [](uint8_t flag) { return flag != 0; })) {
+      return;
+    }
+    level_.grid.gather(brick, &block_);
+    gatherSums(here, end);
+    uint64_t mask = here.mask;
+    for (uint32_t i = here.first; i < end; ++i, mask &= mask - 1) {
+      if (wanted[i] == 0) continue;
+      const auto bit = static_cast<uint64_t>(__builtin_ctzll(mask));
+      (*out)[i] = around(static_cast<int>(morton::x(bit)), static_cast<int>(morton::y(bit)),
+                         static_cast<int>(morton::z(bit)));
+    }
+  }
+
+ private:
+  /// The voxels of the block side by side, all about this brick's centre.
+  void gatherSums(const SparseGrid::Brick& here, uint32_t end) {
+    sums_.clear();
+    const Eigen::Vector3f center = brickCenter(here.key, number_);
+    for (std::size_t place = 0; place < block_.size(); ++place) {
+      const uint32_t i = block_[place];
+      if (i == kNoIndex) continue;
+      places_[place] = static_cast<uint8_t>(sums_.size());
+      if (i >= here.first && i < end) {
+        sums_.push_back(level_.sums[i]);
+      } else {
+        const Eigen::Vector3f other = brickCenter(level_.grid.keys()[i] >> 6, number_);
+        sums_.push_back(level_.sums[i].movedBy(other - center));
+      }
+    }
+  }
+
+  PointSums around(int x, int y, int z) const {
+    PointSums sum;
+    for (int dz = -1; dz <= 1; ++dz) {
+      for (int dy = -1; dy <= 1; ++dy) {
+        const int row = SparseGrid::blockIndex(x - 1, y + dy, z + dz);
+        for (int dx = 0; dx < 3; ++dx) {
+          const auto place = static_cast<std::size_t>(row + dx);
+          if (block_[place] != kNoIndex) sum.add(sums_[places_[place]]);
+        }
+      }
+    }
+    return sum;
+  }
+
+  const VoxelLevel& level_;
+  int number_;
+  SparseGrid::Block block_;
+  std::array<uint8_t, SparseGrid::kBlockCells> places_;
+  std::vector<PointSums> sums_;
+};
+
+}  // namespace
+
+PlaneFit fitPlane(const PointSums& sums) {
+  PlaneFit fit;
+  const float by_count = 1.0F / sums.count;
+  const float x = sums.x * by_count;
+  const float y = sums.y * by_count;
+  const float z = sums.z * by_count;
+  fit.mean = {x, y, z};
+  const EigenSymmetric3 eigen = eigenSymmetric3(
+      {sums.xx * by_count - x * x, sums.xy * by_count - x * y, sums.xz * by_count - x * z,
+       sums.yy * by_count - y * y, sums.yz * by_count - y * z, sums.zz * by_count - z * z});
+  fit.normal = eigen.e0.cast<float>();
+  fit.major = eigen.e2.cast<float>();
+  fit.l0 = static_cast<float>(eigen.l0);
+  fit.l1 = static_cast<float>(eigen.l1);
+  fit.l2 = static_cast<float>(eigen.l2);
+  return fit;
+}
+
+std::vector<PointSums> sumNeighborhoods(const VoxelLevel& level, int level_number,
+                                        const std::vector<uint8_t>& wanted, ThreadPool* pool) {
+  std::vector<PointSums> sums(level.grid.size());
+  parallelFor(pool, level.grid.bricks().size(), 256, [&](std::size_t begin, std::size_t end) {
+    BrickSums bricks(level, level_number);
+    for (std::size_t brick = begin; brick < end; ++brick) bricks.add(brick, wanted, &sums);
+  });
+  return sums;
+}
+
+std::vector<SurfaceFit> fitSurface(const VoxelPyramid& pyramid, int level,
+                                   const std::vector<uint8_t>& wanted,
+                                   const Eigen::Vector3f& sensor, ThreadPool* pool) {
+  return Fitter(pyramid, level, sensor, pool).run(wanted);
+}
+
+}  // namespace ladar_perception

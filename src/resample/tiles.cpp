@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ladar_perception/resample/tiles.h"
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+#include "ladar_perception/resample/morton.h"
+#include "ladar_perception/resample/sparse_grid.h"
+
+namespace ladar_perception {
+namespace {
+
+uint64_t neighborKey(uint64_t key, int dx, int dy, int dz) {
+  key = morton::step(key, morton::kAxisX, dx);
+  key = morton::step(key, morton::kAxisY, dy);
+  return morton::step(key, morton::kAxisZ, dz);
+}
+
+}  // namespace
+
+Tiles::Tiles(const std::vector<uint64_t>& keys, int level) {
+  std::vector<uint64_t> tile_keys;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const uint64_t key = keys[i] >> 3 * level;
+    if (tile_keys.empty() || tile_keys.back() != key) {
+      tile_keys.push_back(key);
+      tiles_.emplace_back();
+      tiles_.back().first = static_cast<uint32_t>(i);
+    }
+    tiles_.back().end = static_cast<uint32_t>(i + 1);
+  }
+  SparseGrid grid;
+  grid.assign(tile_keys);
+  for (std::size_t i = 0; i < tile_keys.size(); ++i) {
+    for (int step = 0; step < 27; ++step) {
+      const uint64_t key =
+          neighborKey(tile_keys[i], step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1);
+      const uint32_t other = grid.find(key);
+      if (other == kNoIndex || (key & 7) <= (tile_keys[i] & 7)) continue;
+      tiles_[i].later.push_back(other);
+      ++tiles_[other].earlier;
+    }
+  }
+  for (uint64_t color = 0; color < 8; ++color) {
+    for (std::size_t i = 0; i < tile_keys.size(); ++i) {
+      if ((tile_keys[i] & 7) == color) order_.push_back(static_cast<uint32_t>(i));
+    }
+  }
+}
+
+void Tiles::run(ThreadPool* pool, const std::function<void(int, std::size_t)>& work) const {
+  if (pool->size() == 1 || tiles_.size() == 1) {
+    for (const uint32_t tile : order_) work(0, tile);
+    return;
+  }
+  // A tile is queued when the last one it waits for is done: no thread waits for a whole colour.
+  std::vector<std::atomic<uint32_t>> waiting(tiles_.size());
+  std::vector<std::atomic<uint32_t>> queue(tiles_.size());
+  std::atomic<std::size_t> head{0};
+  std::atomic<std::size_t> tail{0};
+  for (std::size_t i = 0; i < tiles_.size(); ++i) {
+    waiting[i] = tiles_[i].earlier;
+    queue[i] = kNoIndex;
+  }
+  for (const uint32_t tile : order_) {
+    if (tiles_[tile].earlier == 0) queue[tail.fetch_add(1)] = tile;
+  }
+  pool->run([&](int thread) {
+    for (;;) {
+      const std::size_t place = head.fetch_add(1);
+      if (place >= tiles_.size()) return;
+      uint32_t tile = kNoIndex;
+      while ((tile = queue[place].load(std::memory_order_acquire)) == kNoIndex) {
+        std::this_thread::yield();
+      }
+      work(thread, tile);
+      for (const uint32_t later : tiles_[tile].later) {
+        if (waiting[later].fetch_sub(1, std::memory_order_acq_rel) == 1) {
+          queue[tail.fetch_add(1)].store(later, std::memory_order_release);
+        }
+      }
+    }
+  });
+}
+
+}  // namespace ladar_perception
