@@ -22,15 +22,15 @@ class ResampleTraps : public testing::TestWithParam<std::string> {
 
 constexpr double kCell_m = 0.05;
 
-/// Two level sheets of 4 x 4 m, `apart_m` from one another.
-PoseCloudData parallelSheets(double apart_m, double noise_m) {
+/// Level sheets of 4 x 4 m at heights.
+PoseCloudData levelSheets(const std::vector<double>& heights_m) {
   PoseCloudData cloud;
   TestRandom random(2);
-  for (const double z : {0.0, apart_m}) {
+  for (const double z : heights_m) {
     Sheet sheet;
     sheet.length_m = sheet.width_m = 4.0;
     sheet.points = 60000;
-    sheet.noise_m = noise_m;
+    sheet.noise_m = 0.003;
     sheet.pose = Eigen::Translation3d(0.0, 0.0, z);
     addSheet(sheet, &random, &cloud);
   }
@@ -40,21 +40,22 @@ PoseCloudData parallelSheets(double apart_m, double noise_m) {
 
 /// Fronts of one sheet never reach the other: each is sampled as if it were alone.
 TEST_P(ResampleTraps, SheetsThreeCellsApartStayApart) {
+  ResampleConfig with_cells = config(0);
+  with_cells.cell_size_m = kCell_m;
+  with_cells.radius_m = 0.15;
+  const auto alone = static_cast<double>(resampled(with_cells, levelSheets({0.0})).size());
+  EXPECT_GT(alone, 300.0);
   for (const double cells : {3.0, 3.5, 5.0}) {
     const double apart_m = cells * kCell_m;
-    ResampleConfig with_cells = config(0);
-    with_cells.cell_size_m = kCell_m;
-    with_cells.radius_m = 0.15;
-    const ResampledCloud samples = resampled(with_cells, parallelSheets(apart_m, 0.003));
-    EXPECT_EQ(samples.components, 2u) << cells;
     std::vector<int> counts(2, 0);
+    const ResampledCloud samples = resampled(with_cells, levelSheets({0.0, apart_m}));
     for (const Eigen::Vector3d& p : samples.positions_m) {
       const bool upper = p.z() > 0.5 * apart_m;
       EXPECT_NEAR(p.z(), upper ? apart_m : 0.0, 0.3 * kCell_m) << cells << " cells apart";
       ++counts[upper ? 1 : 0];
     }
-    EXPECT_GT(counts[0], 300);
-    EXPECT_NEAR(counts[0], counts[1], 0.04 * counts[1]) << cells;
+    EXPECT_NEAR(counts[0] / alone, 1.0, 0.05) << cells;
+    EXPECT_NEAR(counts[1] / alone, 1.0, 0.05) << cells;
   }
 }
 
@@ -64,7 +65,7 @@ TEST_P(ResampleTraps, SheetsACellApartMayBecomeOne) {
   ResampleConfig with_cells = config(800);
   with_cells.cell_size_m = kCell_m;
   for (const double cells : {0.3, 1.0, 2.0}) {
-    const ResampledCloud samples = resampled(with_cells, parallelSheets(cells * kCell_m, 0.003));
+    const ResampledCloud samples = resampled(with_cells, levelSheets({0.0, cells * kCell_m}));
     EXPECT_EQ(samples.size(), 800u);
     for (const Eigen::Vector3d& p : samples.positions_m) {
       EXPECT_GT(p.z(), -0.5 * kCell_m) << cells;
@@ -81,7 +82,9 @@ TEST_P(ResampleTraps, IsolatedPointsGetNoSamples) {
   PoseCloudData cloud = sheetCloud(sheet);
   constexpr int kMixed = 92;  // 0.23 per cent
   for (int i = 0; i < kMixed; ++i) {
-    cloud.positions_m.emplace_back(1.0 * (i % 10), 1.0 * (i / 10), 1.5 + 0.1 * (i % 7));
+    // 3 m and more from one another.
+    cloud.positions_m.emplace_back(1.0 * (i % 10), 1.0 * (i / 10),
+                                   3.0 + 3.0 * (i % 10 % 3) + 9.0 * (i / 10 % 3));
   }
   const ResampledCloud samples = resampled(config(4000), cloud);
   EXPECT_EQ(samples.size(), 4000u);
@@ -155,12 +158,12 @@ TEST_P(ResampleTraps, SparseRingsStayOnTheGround) {
   cloud.sensor_m = Eigen::Vector3d(0.0, 0.0, kHeight_m);
   const ResampledCloud samples = resampled(config(3000), cloud);
   EXPECT_EQ(samples.size(), 3000u);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    EXPECT_LT(std::abs(samples.positions_m[i].z()), 0.05);
-    // Nowhere but between neighbouring rings, the farthest of which are 40 m apart.
-    const double range_m = samples.positions_m[i].head<2>().norm();
-    EXPECT_GT(range_m, 6.2);
+  int off_ground = 0;
+  for (const Eigen::Vector3d& p : samples.positions_m) {
+    if (std::abs(p.z()) > 0.05) ++off_ground;
+    EXPECT_GT(p.head<2>().norm(), 6.0) << "nearer than the nearest ring";
   }
+  EXPECT_EQ(off_ground, 0);
   // All rings are covered.
   const double covering_m = samples.covering_radii.back();
   const Summary covered = coveringOf(samples.positions_m, cloud.positions_m, 1.0).distance_m;
