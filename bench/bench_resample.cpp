@@ -6,7 +6,8 @@
 // Clouds are named by their points; see pose_clouds.h. Times are CPU times of the process where a
 // method has one thread. Counters: cov and min_over_mean of the distances to the nearest sample,
 // of all and of those that are not alone (connected_), cover_p99 of the cloud's points over the
-// mean of the latter, and memory_mb, the peak while it ran over what there was before.
+// mean of the latter, and memory_mb, the peak while it ran over what there was before; of ours also
+// the cells and the wall clock's ms of each stage.
 #include <benchmark/benchmark.h>
 #include <malloc.h>
 
@@ -106,6 +107,8 @@ void measure(benchmark::State& state, const Variant& variant) {
   for (const auto& [name, value] : qualityOf(variant.name, method.result(), cloud.positions_m)) {
     state.counters[name] = value;
   }
+  if (!method.stages) return;
+  for (const auto& [name, value] : method.stages()) state.counters[name] = value;
 }
 
 SamplingMethod ours(const std::string& engine, const std::string& policy, int threads, int samples,

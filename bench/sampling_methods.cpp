@@ -14,7 +14,13 @@ SamplingMethod ourSampling(const ResampleConfig& config, const Policies& policie
   auto resampler = std::make_shared<CloudResampler>(config);
   auto samples = std::make_shared<ResampledCloud>();
   return {[=, &cloud] { *samples = resampler->resample(cloud, policies); },
-          [=] { return samples->positions_m; }};
+          [=] { return samples->positions_m; },
+          [=]() -> std::map<std::string, double> {
+            const ResampleTimes& times = samples->times_ms;
+            return {{"ms_voxels", times.voxels},   {"ms_attributes", times.attributes},
+                    {"ms_crust", times.crust},     {"ms_fronts", times.fronts},
+                    {"ms_samples", times.samples}, {"cells", static_cast<double>(samples->cells)}};
+          }};
 }
 
 SamplingMethod randomSampling(const Points& points, std::size_t count) {

@@ -85,12 +85,13 @@ TEST_P(ResampleOrder, PrefixesAreGoodSamplings) {
   ASSERT_EQ(samples.size(), 6400u);
   for (const std::size_t count : {100, 350, 1500, 6400}) {
     const std::vector<Eigen::Vector3d> chosen = prefix(samples, count);
+    const bool all = count == samples.size();
     const SpacingStatistics spacing = spacingOf(chosen);
-    EXPECT_GT(spacing.min_over_mean, count == 6400 ? 0.75 : 0.6) << count;
-    EXPECT_LT(spacing.cov, count == 6400 ? 0.14 : 0.22) << count;
+    EXPECT_GT(spacing.min_over_mean, all ? 0.8 : 0.6) << count;
+    EXPECT_LT(spacing.cov, all ? 0.13 : 0.22) << count;
     const CoveringStatistics covering =
         coveringOf(chosen, surface(sheet, spacing.mean_m), spacing.mean_m);
-    EXPECT_LT(covering.p99_over_spacing, 1.0) << count;
+    EXPECT_LT(covering.p99_over_spacing, all ? 0.85 : 1.05) << count;
   }
 }
 
@@ -112,17 +113,14 @@ TEST_P(ResampleOrder, CoveringRadiiAreTrue) {
   }
 }
 
-/// The next sample is the farthest place: no two of a prefix are nearer than its covering radius.
+/// The next sample is the farthest place, or near to it: of a prefix, no two are much nearer than
+/// its covering radius.
 TEST_P(ResampleOrder, SamplesKeepTheirDistance) {
   const ResampledCloud samples = resampled(config(2000), sheetCloud(noisySheet()));
   for (const std::size_t count : {10, 100, 1000, 2000}) {
     const std::vector<double> distances = neighbourDistances(prefix(samples, count));
     const double nearest_m = *std::min_element(distances.begin(), distances.end());
-    // The farthest place may lie beside the samples there are to choose from.
-    const double told_m = samples.covering_radii[count - 1];
-    EXPECT_GT(nearest_m,
-              std::max(told_m - samples.covering_radii.back(), 0.8 * samples.covering_radii.back()))
-        << count;
+    EXPECT_GT(nearest_m, 0.7 * samples.covering_radii[count - 1]) << count;
   }
 }
 
