@@ -54,14 +54,24 @@ struct Columns {
   }
 };
 
-/// A tile of cells with one cell around it: small enough to stay in the cache while pieces are
-/// blended.
+/// Weighted sums of the planes in a cell, later their mean.
+struct alignas(32) Blend {
+  /// Normal, and offset along it from the cell's middle; the mean has the height over the middle
+  /// along the main axis instead, NaN where there is no plane or it is another cell's.
+  Eigen::Array4f plane = Eigen::Array4f::Zero();
+  float trust = 0;  ///< 0 where no piece came
+  float weight = 0;
+  float facing = 0;  ///< of the trust, what counts for the normal's sign
+};
+
+/// A tile of cells with one cell around it: what a surface touches of it stays in the cache while
+/// pieces are blended.
 class TileGrid {
  public:
-  static constexpr int kLevel = 4;
+  static constexpr int kLevel = 5;
   static constexpr int kEdge = (1 << kLevel) + 2;
 
-  TileGrid() : planes_(kCells, Eigen::Array4f::Zero()), weights_(kCells), trusts_(kCells) {}
+  TileGrid() : blends_(kCells) {}
 
   /// `origin_cell` is the cell at the origin; `tile` the tile's key.
   void begin(uint64_t tile, int origin_cell) {
@@ -96,9 +106,9 @@ class TileGrid {
 
   /// Surfels of the tile's own cells, in the order of keys; leaves the grid empty.
   void finish(uint64_t tile, float edge, std::vector<Surfel>* surfels) {
-    std::array<uint64_t, 64> own{};  // bit per cell, in the order of keys
+    std::array<uint64_t, (1 << 3 * kLevel) / 64> own{};  // bit per cell, in the order of keys
     for (const uint16_t cell : touched_) {
-      meanOf(cell);
+      meanOf(&blends_[cell]);
       const int x = cell % kEdge - 1;
       const int y = cell / kEdge % kEdge - 1;
       const int z = cell / (kEdge * kEdge) - 1;
@@ -113,11 +123,7 @@ class TileGrid {
         addSurfel(key, tile, edge, surfels);
       }
     }
-    for (const uint16_t cell : touched_) {
-      planes_[cell].setZero();
-      weights_[cell] = 0.0F;
-      trusts_[cell] = 0.0F;
-    }
+    for (const uint16_t cell : touched_) blends_[cell] = Blend();
     touched_.clear();
   }
 
@@ -131,30 +137,31 @@ class TileGrid {
     const int high = std::min(floorToInt(height + kBorder), kEdge - 1);
     for (int at = low; at <= high; ++at) {
       const auto cell = static_cast<std::size_t>(column + at * kStrides[axis]);
-      if (trusts_[cell] == 0.0F) touched_.push_back(static_cast<uint16_t>(cell));
-      Eigen::Array4f shifted = plane;
-      shifted[3] = plane[static_cast<int>(axis)] * (height - (static_cast<float>(at) + 0.5F));
-      planes_[cell] += trust * shifted;
-      weights_[cell] += trust * piece.weight;
-      trusts_[cell] += trust;
+      Blend& blend = blends_[cell];
+      if (blend.trust == 0.0F) touched_.push_back(static_cast<uint16_t>(cell));
+      blend.plane += trust * plane;
+      blend.plane[3] +=
+          trust * piece.normal[static_cast<int>(axis)] * (height - (static_cast<float>(at) + 0.5F));
+      blend.weight += trust * piece.weight;
+      blend.trust += trust;
     }
   }
 
-  /// From sums to the mean plane: unit normal, and height over the cell's middle along the main
-  /// axis; NaN where normals cancel or the plane is another cell's.
-  void meanOf(std::size_t cell) {
-    Eigen::Array4f& plane = planes_[cell];
+  void meanOf(Blend* blend) const {
+    Eigen::Array4f& plane = blend->plane;
     const float length = plane.head<3>().matrix().norm();
     const float height = plane[3] / plane[mainAxis(plane)];
-    const bool surface = length > 0.1F * trusts_[cell] && std::abs(height) <= kReach;
-    plane /= length;
+    // Normals that cancel are no surface.
+    const bool surface = length > 0.1F * blend->trust && std::abs(height) <= kReach;
+    plane *= (blend->facing < 0.0F ? -1.0F : 1.0F) / length;
     plane[3] = surface ? height : std::numeric_limits<float>::quiet_NaN();
   }
 
   static int mainAxis(const Eigen::Array4f& plane) {
-    int axis = 0;
-    plane.head<3>().abs().maxCoeff(&axis);
-    return axis;
+    const float x = std::abs(plane[0]);
+    const float y = std::abs(plane[1]);
+    const float z = std::abs(plane[2]);
+    return x >= y ? (x >= z ? 0 : 2) : (y >= z ? 1 : 2);
   }
 
   void addSurfel(uint64_t key, uint64_t tile, float edge, std::vector<Surfel>* surfels) const {
@@ -162,7 +169,7 @@ class TileGrid {
                                    static_cast<int>(morton::y(key)) + 1,
                                    static_cast<int>(morton::z(key)) + 1};
     const auto cell = static_cast<std::size_t>(at[0] + at[1] * kStrides[1] + at[2] * kStrides[2]);
-    const Eigen::Array4f& plane = planes_[cell];
+    const Eigen::Array4f& plane = blends_[cell].plane;
     if (std::isnan(plane[3])) return;
     const int axis = mainAxis(plane);
     if (isBehind(cell, axis, -1) || isBehind(cell, axis, 1)) return;
@@ -174,7 +181,7 @@ class TileGrid {
     }
     surfel.position[axis] += plane[3];
     surfel.position *= edge;
-    surfel.slowness = std::sqrt(weights_[cell] / trusts_[cell]);
+    surfel.slowness = std::sqrt(blends_[cell].weight / blends_[cell].trust);
     surfels->push_back(surfel);
   }
 
@@ -182,17 +189,17 @@ class TileGrid {
   bool isBehind(std::size_t cell, int axis, int side) const {
     const auto next = static_cast<std::size_t>(static_cast<int>(cell) +
                                                side * kStrides[static_cast<std::size_t>(axis)]);
-    const Eigen::Array4f& plane = planes_[next];
-    if (trusts_[next] == 0.0F || std::isnan(plane[3]) || mainAxis(plane) != axis) return false;
-    const float here = std::abs(planes_[cell][3]);
+    const Eigen::Array4f& plane = blends_[next].plane;
+    if (blends_[next].trust == 0.0F || std::isnan(plane[3]) || mainAxis(plane) != axis) {
+      return false;
+    }
+    const float here = std::abs(blends_[cell].plane[3]);
     const float there = std::abs(plane[3]);
     return there < here || (there == here && side > 0);
   }
 
-  std::array<int, 3> corner_{};         // least cell, from the origin
-  std::vector<Eigen::Array4f> planes_;  // weighted sums of normals and offsets from cells' middles
-  std::vector<float> weights_;
-  std::vector<float> trusts_;  // 0 where no piece came
+  std::array<int, 3> corner_{};  // least cell, from the origin
+  std::vector<Blend> blends_;
   std::vector<uint16_t> touched_;
 };
 
@@ -248,7 +255,7 @@ std::vector<Surfel> blendSurface(const std::vector<SurfaceFit>& pieces, int leve
   }
   firsts.push_back(entries.size());
   // Runs of tiles give runs of surfels, whoever works on them.
-  constexpr std::size_t kRun = 32;
+  constexpr std::size_t kRun = 8;
   const std::size_t tiles = firsts.size() - 1;
   std::vector<std::vector<Surfel>> runs((tiles + kRun - 1) / kRun);
   parallelFor(pool, runs.size(), 1, [&](std::size_t begin, std::size_t end) {

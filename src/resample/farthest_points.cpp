@@ -68,6 +68,7 @@ class Chooser {
         pool_(pool),
         tiles_(field->crust->keys, tileLevel(*field->crust, goal.first_radius)),
         bounds_(field->crust->size(), std::numeric_limits<float>::infinity()),
+        taken_(field->crust->size(), 0),
         chosen_(tiles_.size()),
         fronts_(static_cast<std::size_t>(pool->size()), Fronts<Metric>(field)) {}
 
@@ -75,7 +76,7 @@ class Chooser {
     field_->reset(goal_.first_radius);
     set_ = before;
     for (std::size_t i = 0; i < before.size(); ++i) {
-      fronts_[0].insert(before.cells[i], before.positions[i]);
+      insert(&fronts_[0], before.cells[i], before.positions[i]);
     }
     start();
     orderStart();
@@ -91,6 +92,12 @@ class Chooser {
   }
 
  private:
+  void insert(Fronts<Metric>* fronts, uint32_t cell, const Eigen::Vector3f& position) {
+    fronts->insert(cell, position);
+    taken_[cell] = 1;
+    bounds_[cell] = 0.0F;  // never again
+  }
+
   bool done(float radius) const {
     if (goal_.count > 0 && set_.size() >= goal_.count) return true;
     if (goal_.radius > 0 && radius <= goal_.radius) return true;
@@ -104,7 +111,7 @@ class Chooser {
       for (uint32_t n = tile.first; n < tile.end; ++n) {
         const uint32_t cell = tile.first + order.next();
         if (field_->arrivals[cell].time < goal_.first_radius) continue;
-        fronts_[static_cast<std::size_t>(thread)].insert(cell, field_->crust->positions[cell]);
+        insert(&fronts_[static_cast<std::size_t>(thread)], cell, field_->crust->positions[cell]);
         chosen_[i].push_back({cell, goal_.first_radius});
       }
     });
@@ -181,9 +188,34 @@ class Chooser {
       const VoronoiVertex vertex = findVertex(*field_, cell);
       bounds_[cell] = vertex.time;
       if (vertex.time < radius) continue;
-      fronts->insert(cell, vertex.position);
+      bounds_[cell] = std::min(vertex.time, nearestAround(cell, vertex.position));
+      if (bounds_[cell] < radius) continue;
+      insert(fronts, cell, vertex.position);
       chosen_[i].push_back({cell, vertex.time});
     }
+  }
+
+  /// Time to a place from the samples in or on the way to a cell's neighbours and theirs. Where
+  /// cells are few, the nearest sample may be one whose front did not come to the cell.
+  float nearestAround(uint32_t cell, const Eigen::Vector3f& place) const {
+    const Crust& crust = *field_->crust;
+    float time = std::numeric_limits<float>::infinity();
+    uint32_t last = kNoIndex;
+    const auto look = [&](uint32_t sample) {
+      if (sample == last || sample == kNoIndex) return;
+      last = sample;
+      const float slowness = 0.5F * (field_->nodes[cell].slowness + field_->nodes[sample].slowness);
+      time = std::min(time, (field_->samples[sample] - place).norm() * slowness);
+    };
+    for (uint32_t k = crust.first_neighbor[cell]; k < crust.first_neighbor[cell + 1]; ++k) {
+      const uint32_t side = crust.neighbors[k];
+      for (uint32_t n = crust.first_neighbor[side]; n < crust.first_neighbor[side + 1]; ++n) {
+        const uint32_t near = crust.neighbors[n];
+        look(field_->arrivals[near].owner);
+        if (taken_[near] != 0) look(near);
+      }
+    }
+    return time;
   }
 
   float latest() const {
@@ -196,7 +228,8 @@ class Chooser {
   FarthestPointsGoal goal_;
   ThreadPool* pool_;
   Tiles tiles_;
-  std::vector<float> bounds_;  // of the time of the vertex near a cell: it can only fall
+  std::vector<float> bounds_;   // of the time of the vertex near a cell: it can only fall
+  std::vector<uint8_t> taken_;  // cells with a sample
   std::vector<std::vector<Choice>> chosen_;  // by tile, in this round
   std::vector<Fronts<Metric>> fronts_;       // by thread
   SampleSet set_;
