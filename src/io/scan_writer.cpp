@@ -98,7 +98,9 @@ const char* plyType(ScalarType type) {
 
 void writePly(const Scan& scan, std::ostream& out) {
   const std::vector<Item> items = itemsOf(scan.layout);
-  out << "ply\nformat binary_little_endian 1.0\nelement vertex " << scan.size() << "\n";
+  constexpr bool kBigEndian = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
+  out << "ply\nformat binary_" << (kBigEndian ? "big" : "little") << "_endian 1.0\nelement vertex "
+      << scan.size() << "\n";
   for (const Item& item : items) {
     out << "property " << plyType(item.type) << " " << plyName(item.name) << "\n";
   }

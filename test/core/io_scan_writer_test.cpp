@@ -124,7 +124,7 @@ TEST(IoScanWriter, KeepsRowsTypesAndWideFieldsOfPcd) {
   EXPECT_EQ(again.layout.height, 2u);
   EXPECT_EQ(again.layout.describeFields(), "x:float32, y:float32, z:float32, my_field:uint16[2]");
   EXPECT_EQ(readColumn(again, "x"), (Values{1, 2, 3, 4}));
-  EXPECT_EQ(written(scan, ScanFormat::kXyz).substr(0, 44),
+  EXPECT_EQ(written(scan, ScanFormat::kXyz).substr(0, 45),
             "x y z my_field_0 my_field_1\n1 5 0 1 5\n2 6 0 2");
 }
 
