@@ -31,7 +31,8 @@ float straight(const FrontField::Node& node, const FrontSource& source, Eigen::V
 
 /// Distance from the virtual source of a front that has gone r_a and r_b to two places `ab` apart,
 /// to a third that lies ac and bc from them; kNever if the front does not come through between
-/// them.
+/// them. Nor does one that would be there before it was at both: where slowness changes the times
+/// do not fit one source, and such fronts would run ahead of themselves.
 float throughTwo(float r_a, float r_b, float ab, float ac, float bc) {
   const float by_ab = 0.5F / ab;
   const float source_x = (r_a * r_a + ab * ab - r_b * r_b) * by_ab;
@@ -45,7 +46,8 @@ float throughTwo(float r_a, float r_b, float ab, float ac, float bc) {
   const float run = cell_x - source_x;
   const float crossing = source_x + run * source_y / height;
   if (crossing < 0.0F || crossing > ab) return kNever;
-  return std::sqrt(run * run + height * height);
+  const float distance = std::sqrt(run * run + height * height);
+  return distance >= std::max(r_a, r_b) ? distance : kNever;
 }
 
 class EikonalUpdate {
