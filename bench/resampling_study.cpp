@@ -9,9 +9,11 @@
 #include <cstring>
 #include <exception>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "campus_quality.h"
@@ -66,6 +68,25 @@ struct Series {
   Names policies;
 };
 
+/// Last of the policies, it changes nothing and writes the weights that the others gave.
+class WeightRecorder : public Policy {
+ public:
+  explicit WeightRecorder(std::string path) : path_(std::move(path)) {}
+
+  std::string describe() const override { return "recorder"; }
+  void multiply(const PointAttributes& points, std::vector<float>* weights) const override {
+    RecordFile file(path_);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Eigen::Vector3d& p = points.positions_m[i];
+      file.add({p.x(), p.y(), p.z(), double{(*weights)[i]}});
+    }
+    file.close();
+  }
+
+ private:
+  std::string path_;
+};
+
 void writeRaw(const PoseCloudData& cloud, const std::string& path) {
   RecordFile file(path);
   for (std::size_t i = 0; i < cloud.positions_m.size(); ++i) {
@@ -83,7 +104,13 @@ json resampleSeries(const PoseCloudData& cloud, const Series& series, const Name
   for (const std::string& text : series.policies) policies.push_back(makePolicy(text, classes));
   ResampleConfig config;
   config.count = count;
-  const ResampledCloud samples = CloudResampler(config).resample(cloud, policies);
+  CloudResampler resampler(config);
+  const ResampledCloud samples = resampler.resample(cloud, policies);
+  if (!policies.empty()) {  // again, so that writing is not timed
+    policies.push_back(
+        std::make_shared<WeightRecorder>(folder + "/" + series.name + "_weights.bin"));
+    resampler.resample(cloud, policies);
+  }
   RecordFile file(folder + "/" + series.name + ".bin");
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Eigen::Vector3d& p = samples.positions_m[i];
