@@ -197,7 +197,7 @@ void studyTable(const std::string& folder) {
   const TrueCloud scene(sensor);
   const PoseCloudData cloud = scene.poseCloud(classesOfLabels());
   writeRaw(cloud, folder + "/raw.bin");
-  const std::string color = "color:target=#d4ccba,softness=80,ratio=16";
+  const std::string color = "color:target=#d4ccba,softness=60,ratio=16";
   const std::string classes = "label:floor=0.1,foliage=0.3";
   json rows = json::array();
   for (const Series& series :
