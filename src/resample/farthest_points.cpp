@@ -93,6 +93,10 @@ class Chooser {
     }
     set_.radius_reached = std::max(latest(), left_out_);
     if (set_.size() > 0) set_.covering.back() = set_.radius_reached;
+    // A place that a round found later than others, or left to the next, was as far before.
+    for (std::size_t i = set_.size(); i > 1; --i) {
+      set_.covering[i - 2] = std::max(set_.covering[i - 2], set_.covering[i - 1]);
+    }
     return std::move(set_);
   }
 
