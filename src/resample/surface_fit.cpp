@@ -23,8 +23,13 @@ constexpr float kLineRatio = 0.1F;
 // Points are planar if the third eigenvalue is below this part of the second.
 constexpr float kPlanarRatio = 0.05F;
 
+// What is wanted of a voxel: a piece of surface, or another one, as that of a finer level may end
+// at a gap: of three scan lines it has seen two.
+constexpr uint8_t kPiece = 1;
+constexpr uint8_t kSecondPiece = 2;
+
 /// What became of a voxel at one level.
-enum class Fate : uint8_t { kNotWanted, kSurface, kLine, kOpen };
+enum class Fate : uint8_t { kNotWanted, kSurface, kBridge, kLine, kOpen };
 
 Eigen::Vector3f towards(const Eigen::Vector3f& sensor, const Eigen::Vector3f& from,
                         const Eigen::Vector3f& normal) {
@@ -55,9 +60,9 @@ class Fitter {
 
   std::vector<SurfaceFit> run(const std::vector<uint8_t>& wanted) {
     std::vector<uint8_t> now = wanted;
-    if (now.empty()) now.assign(pyramid_.level(base_).grid.size(), 1);
+    if (now.empty()) now.assign(pyramid_.level(base_).grid.size(), kPiece);
     for (int level = base_; level < pyramid_.levels() && level <= base_ + kBridgeLevels; ++level) {
-      thinOut(level, &now);
+      if (level == base_) thinOut(&now);
       fitLevel(level, now);
       if (level + 1 < pyramid_.levels()) now = parentsOfUnfinished(level);
     }
@@ -67,9 +72,9 @@ class Fitter {
 
  private:
   /// Pieces overlap: where wanted voxels lie side by side, every other one is enough.
-  void thinOut(int level, std::vector<uint8_t>* wanted) const {
-    constexpr int kSidesEnough = 3;
-    const SparseGrid& grid = pyramid_.level(level).grid;
+  void thinOut(std::vector<uint8_t>* wanted) const {
+    constexpr int kSidesEnough = 4;
+    const SparseGrid& grid = pyramid_.level(base_).grid;
     SparseGrid::Block block;
     for (std::size_t brick = 0; brick < grid.bricks().size(); ++brick) {
       const uint32_t end = grid.brickEnd(brick);
@@ -106,14 +111,18 @@ class Fitter {
         const uint32_t last = voxels.grid.brickEnd(brick);
         for (uint32_t i = voxels.grid.bricks()[brick].first; i < last; ++i) {
           if (wanted[i] == 0) continue;
-          fates[i] = fit(sums[i], center, level, &fits[i]);
+          const Fate fate = fit(sums[i], center, level, &fits[i]);
+          fates[i] = wanted[i] != kSecondPiece ? fate
+                     : fate == Fate::kBridge   ? Fate::kSurface
+                                               : Fate::kNotWanted;
           fits[i].weight = voxels.sums[i].weight / voxels.sums[i].count;
         }
       }
     });
     for (std::size_t i = 0; i < fits.size(); ++i) {
-      if (fates[i] == Fate::kSurface || fates[i] == Fate::kLine) fits_.push_back(fits[i]);
+      if (fates[i] == Fate::kSurface || fates[i] == Fate::kBridge) fits_.push_back(fits[i]);
     }
+    if (level == base_) lines_ = std::move(fits);
   }
 
   Fate fit(const PointSums& sums, const Eigen::Vector3f& brick_center, int level,
@@ -131,7 +140,8 @@ class Fitter {
     piece->semi_major = std::max(semiAxis(plane.l2, edge), kLeastSemiAxis * least);
     piece->semi_minor = std::max(semiAxis(plane.l1, edge), kLeastSemiAxis * least);
     piece->trust = 1.0F / static_cast<float>(1 << 3 * (level - base_));
-    return line ? Fate::kLine : Fate::kSurface;
+    if (line) return Fate::kLine;
+    return level > base_ ? Fate::kBridge : Fate::kSurface;
   }
 
   std::vector<uint8_t> parentsOfUnfinished(int level) const {
@@ -142,27 +152,33 @@ class Fitter {
       const std::size_t end =
           parent + 1 < wanted.size() ? above.first_child[parent + 1] : fates.size();
       for (std::size_t child = above.first_child[parent]; child < end; ++child) {
-        if (fates[child] == Fate::kOpen || fates[child] == Fate::kLine) wanted[parent] = 1;
+        if (fates[child] == Fate::kOpen || fates[child] == Fate::kLine) wanted[parent] = kPiece;
+        if (fates[child] == Fate::kBridge && wanted[parent] == 0) wanted[parent] = kSecondPiece;
       }
     }
     return wanted;
   }
 
-  /// A piece of its own for every voxel that no level found a surface for.
+  /// A piece of its own, or of the line it is on, for every voxel that no level found a surface
+  /// for.
   void addLeftOver() {
     const VoxelLevel& voxels = pyramid_.level(base_);
     const auto edge = static_cast<float>(1 << base_);
     for (std::size_t i = 0; i < voxels.grid.size(); ++i) {
-      if (fates_[0][i] != Fate::kOpen) continue;
+      if (fates_[0][i] != Fate::kOpen && fates_[0][i] != Fate::kLine) continue;
       uint64_t key = voxels.grid.keys()[i];
       const PointSums& sums = voxels.sums[i];
       bool found = false;
       for (std::size_t up = 1; up < fates_.size() && !found; ++up) {
         const uint32_t above =
             pyramid_.level(base_ + static_cast<int>(up)).grid.find(key >> 3 * up);
-        found = fates_[up][above] == Fate::kSurface;
+        found = fates_[up][above] == Fate::kSurface || fates_[up][above] == Fate::kBridge;
       }
       if (found) continue;
+      if (fates_[0][i] == Fate::kLine) {
+        fits_.push_back(lines_[i]);
+        continue;
+      }
       SurfaceFit piece;
       piece.center =
           brickCenter(key >> 6, base_) + Eigen::Vector3f(sums.x, sums.y, sums.z) / sums.count;
@@ -180,6 +196,7 @@ class Fitter {
   ThreadPool* pool_;
   std::vector<std::vector<Fate>> fates_;  // by level from base_
   std::vector<SurfaceFit> fits_;
+  std::vector<SurfaceFit> lines_;  // by voxel of level base_
 };
 
 /// Adds up the 27 voxels around every wanted one of a brick.
