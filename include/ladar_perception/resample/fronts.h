@@ -62,7 +62,7 @@ struct Flood {
 /// - others get it from two neighbours the front has reached: these fix a virtual source in the
 ///   plane of the three, and the front arrives from there. It is exact for a point source on any
 ///   surface that unrolls into a plane, and second order elsewhere; across creases as well.
-/// Errors at even slowness: see kArrivalError. Behind a hole in the crust fronts come up to 4.5 %
+/// Errors at even slowness: see kArrivalError. Behind a hole in the crust fronts come up to 9 %
 /// early (sight reaches a bit around its rim), at uneven slowness within 3 %.
 struct FastMarching {
   static constexpr bool kOneVisit = false;
