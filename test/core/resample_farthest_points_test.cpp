@@ -93,8 +93,7 @@ TYPED_TEST(ResampleFarthestPoints, RadiiAreTrueAndDoNotGrow) {
   for (std::size_t i = 1; i < set.size(); ++i) EXPECT_LE(set.covering[i], set.covering[i - 1]);
   for (const std::size_t count : {1, 2, 5, 20, 100, 250, 499, 500}) {
     const float farthest = this->coveringOf(crust, set, count);
-    // Late vertices stand for all cells among the first samples: these lie within a cell of one.
-    EXPECT_LE(farthest, set.covering[count - 1] + 1.0F) << count;
+    EXPECT_LE(farthest, 1.1F * set.covering[count - 1] + 0.5F) << count;
     EXPECT_LE(set.covering[count - 1], 1.5F * farthest) << count;
   }
 }
