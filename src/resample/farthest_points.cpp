@@ -141,7 +141,13 @@ class Chooser {
         witnesses.push_back({field_->crust->positions[cell], field_->crust->slowness[cell]});
       }
     }
-    const PlaceOrder order = orderFarthestFirst(places, witnesses);
+    std::vector<WeightedPlace> before;
+    for (const uint32_t cell : set_.cells) before.push_back(placeOf(cell));
+    const PlaceOrder order = orderFarthestFirst(places, witnesses, before);
+    // What has come to the crust since may be far from them.
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      set_.covering[i] = std::max(set_.covering[i], order.covering_before[i]);
+    }
     std::size_t size = order.order.size();
     if (goal_.count > 0 && set_.size() + size > goal_.count) {
       size = goal_.count - std::min(goal_.count, set_.size());

@@ -26,8 +26,9 @@ struct FarthestPointsGoal {
 struct SampleSet {
   std::vector<uint32_t> cells;  ///< cell a sample lies in; no two in one
   std::vector<Eigen::Vector3f> positions;
-  /// Greatest arrival time that is left when this sample and those before it are in. Among the
-  /// first samples, those of the random start, it is the straight distance times the mean slowness.
+  /// Greatest arrival time that is left when this sample and those before it are in; does not grow.
+  /// Among the first samples, those of the random start, it is the straight distance times the mean
+  /// slowness, and up to a tenth too little: late vertices stand for all places between.
   std::vector<float> covering;
   float radius_reached = 0;  ///< the next sample would have been at most this far
 
