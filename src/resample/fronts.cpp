@@ -29,6 +29,8 @@ constexpr float kNearRise = 0.4F;
 // Two neighbours that far apart tell where a front comes from; with a wider base, the front's own
 // curvature, which is not that of a circle on a curved surface, would count four times as much.
 constexpr float kPairWidth = 1.8F;
+// A way around is sooner than sight if it takes less than this part; less is rounding.
+constexpr float kSooner = 0.98F;
 // A cell sees the sample past a neighbour that sees it and lies this near to the line of sight.
 constexpr float kSightWidth = 0.8F;
 
@@ -185,7 +187,7 @@ float FastMarching::arrive(const FrontField& field, const FrontSource& source, u
   if (*in_sight && straight_so_far) return time;
   // The front may have come sooner on a way around, over faster ground.
   const float solved = EikonalUpdate(field, source.cell, from, cell).solve();
-  if (solved < time) *in_sight = false;
+  if (solved < kSooner * time) *in_sight = false;
   return *in_sight ? time : solved;
 }
 

@@ -15,7 +15,8 @@ namespace ladar_perception {
 /// When to stop: at the first of the conditions that are set. Lengths in cells.
 struct FarthestPointsGoal {
   std::size_t count = 0;  ///< samples; 0: not set
-  float radius = 0;       ///< arrival time no cell exceeds; 0: not set
+  /// No cell is reached later, but where a sample is nearer in a straight line; 0: not set.
+  float radius = 0;
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
   /// First radius: samples that far apart are put in at random, farther ones need not be looked
   /// for.
