@@ -200,13 +200,34 @@ void Fronts<Metric>::push(uint32_t cell, float time, uint32_t owner, bool in_sig
 
 template <typename Metric>
 void Fronts<Metric>::insert(uint32_t cell, const Eigen::Vector3f& position) {
-  const Crust& crust = *field_->crust;
-  const FrontField::Node& node = field_->nodes[cell];
-  const FrontSource source = {cell, position, crust.normals[cell], node.slowness};
   field_->samples[cell] = position;
+  const FrontSource source = sourceOf(cell);
   queue_.clear();
   Eigen::Vector3f d;
-  push(cell, straight(node, source, &d), cell, true);
+  push(cell, straight(field_->nodes[cell], source, &d), cell, true);
+  run(source);
+}
+
+template <typename Metric>
+void Fronts<Metric>::enter(uint32_t cell, uint32_t sample) {
+  const FrontSource source = sourceOf(sample);
+  queue_.clear();
+  Eigen::Vector3f d;
+  const float time = straight(field_->nodes[cell], source, &d);
+  if (time >= field_->arrivals[cell].time) return;
+  push(cell, time, sample, true);
+  run(source);
+}
+
+template <typename Metric>
+FrontSource Fronts<Metric>::sourceOf(uint32_t sample) const {
+  return {sample, field_->samples[sample], field_->crust->normals[sample],
+          field_->nodes[sample].slowness};
+}
+
+template <typename Metric>
+void Fronts<Metric>::run(const FrontSource& source) {
+  const Crust& crust = *field_->crust;
   // Fronts are a few cells long: first in, first out visits them nearly in the order of arrival,
   // and a cell that is reached earlier on another way is visited again.
   for (std::size_t head = 0; head < queue_.size(); ++head) {
@@ -215,14 +236,13 @@ void Fronts<Metric>::insert(uint32_t cell, const Eigen::Vector3f& position) {
     for (uint32_t k = crust.first_neighbor[from]; k < end; ++k) {
       const uint32_t to = crust.neighbors[k];
       const FrontField::Arrival& known = field_->arrivals[to];
-      if (known.owner == cell && (Metric::kOneVisit || known.time <= field_->arrivals[from].time)) {
-        continue;
-      }
+      const bool own = known.owner == source.cell;
+      if (own && (Metric::kOneVisit || known.time <= field_->arrivals[from].time)) continue;
       bool in_sight = false;
       const float time = Metric::arrive(*field_, source, from, to, &in_sight);
       // A least gain, so that rounding cannot send cells around in circles.
-      const float gain = known.owner == cell ? 1e-4F * time : 0.0F;
-      if (time < known.time - gain) push(to, time, cell, in_sight);
+      const float gain = own ? 1e-4F * time : 0.0F;
+      if (time < known.time - gain) push(to, time, source.cell, in_sight);
     }
   }
 }

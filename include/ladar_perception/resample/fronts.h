@@ -84,8 +84,13 @@ class Fronts {
 
   /// Puts a sample at `position` near the place of `cell` and lets its front run.
   void insert(uint32_t cell, const Eigen::Vector3f& position);
+  /// Lets the front of a sample that is in, in the cell `sample`, come straight to a cell from
+  /// which cells of others have kept it, and run on from there.
+  void enter(uint32_t cell, uint32_t sample);
 
  private:
+  FrontSource sourceOf(uint32_t sample) const;
+  void run(const FrontSource& source);
   void push(uint32_t cell, float time, uint32_t owner, bool in_sight);
 
   FrontField* field_;
