@@ -35,7 +35,8 @@ Matrix6d gradientSpread(const FinalPairs& final_pairs) {
   for (const Pair& pair : final_pairs.pairs) last = std::max(last, pair.partner);
   std::vector<Vector6d> of_partner(static_cast<std::size_t>(last + 1), Vector6d::Zero());
   for (std::size_t i = 0; i < final_pairs.pairs.size(); ++i) {
-    of_partner[static_cast<std::size_t>(final_pairs.pairs[i].partner)] += final_pairs.gradients[i];
+    of_partner[static_cast<std::size_t>(final_pairs.pairs[i].partner)] +=
+        final_pairs.details.gradients[i];
   }
   Matrix6d spread = Matrix6d::Zero();
   for (const Vector6d& part : of_partner) spread += part * part.transpose();
@@ -131,9 +132,11 @@ RegistrationResult judge(const RegistrationConfig& config, const RegistrationClo
   result.iterations = ending.iterations;
   result.T_a_b = translated(a.origin_m()) * ending.T_a_b * translated(-b.origin_m());
   const auto pairs = static_cast<double>(sums.pairs);
-  if (ending.samples > 0) result.overlap = pairs / static_cast<double>(ending.samples);
+  if (ending.samples > 0) {
+    result.overlap = static_cast<double>(ending.fitting) / static_cast<double>(ending.samples);
+  }
   if (sums.pairs > 0) result.residual_m = std::sqrt(sums.squared_residuals / pairs);
-  const PairInformation information = pairInformation(sums, sums.normals);
+  const PairInformation information = pairInformation(sums, final_pairs.details.normals);
   result.information = information.eigenvalues;
   result.directions = information.eigenvectors;
   result.center_m = information.center_m + a.origin_m();

@@ -26,7 +26,8 @@ struct Ending {
   Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< between local origins
   std::size_t targets = 0;                                  ///< points of a
   std::size_t samples = 0;                                  ///< of b
-  bool settled = false;                                     ///< the last steps were small
+  std::size_t fitting = 0;  ///< of these samples, those on a's surfaces
+  bool settled = false;     ///< the last steps were small
   int iterations = 0;
 };
 
@@ -34,7 +35,7 @@ struct Ending {
 struct FinalPairs {
   std::vector<Pair> pairs;
   PairSums sums;
-  std::vector<Vector6d> gradients;  ///< one of every pair
+  PairDetails details;
 };
 
 /// Fills everything of a result.

@@ -3,6 +3,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 #include "ladar_perception/register/twist.h"
 
@@ -54,20 +55,19 @@ Vector6d addPair(const Matching& matching, const Eigen::Vector3d& q, const Eigen
                  const Eigen::Vector3d& p, const Eigen::Vector3d& m, PairSums* sums) {
   const double distance_m = m.dot(q - p);
   const double squared_m2 = distance_m * distance_m;
-  const Vector6d jacobian = planeJacobian(q, m);
-  const Matrix6d square = jacobian * jacobian.transpose();
   Vector6d gradient;
   if (matching.generalized) {
     gradient = addGeneralized(matching.robust_scale_m, q, n, p, m, sums);
   } else {
     const double weight = robustWeight(squared_m2, matching.robust_scale_m, sums);
-    sums->information += weight * square;
-    gradient = weight * distance_m * jacobian;
+    const Vector6d jacobian = planeJacobian(q, m);
+    const Vector6d weighted = weight * jacobian;
+    sums->information.noalias() += weighted * jacobian.transpose();
+    gradient = distance_m * weighted;
   }
   sums->gradient += gradient;
-  sums->normals += square;
   sums->positions += q;
-  sums->position_squares += q * q.transpose();
+  sums->position_squares.noalias() += q * q.transpose();
   sums->squared_residuals += squared_m2;
   ++sums->pairs;
   return gradient;
@@ -95,17 +95,29 @@ std::vector<Pair> findPairs(const Matching& matching, const Eigen::Isometry3d& T
   return pairs;
 }
 
+double planeDistance(const Matching& matching, const Pair& pair, const Eigen::Isometry3d& T_a_b) {
+  const auto i = static_cast<std::size_t>(pair.sample);
+  const auto j = static_cast<std::size_t>(pair.partner);
+  const Eigen::Vector3d q = T_a_b * matching.source->positions[i].cast<double>();
+  const Eigen::Vector3d offset = q - matching.target->positions[j].cast<double>();
+  return std::abs(matching.target->normals[j].cast<double>().dot(offset));
+}
+
 PairSums sumPairs(const Matching& matching, const std::vector<Pair>& pairs,
-                  const Eigen::Isometry3d& T_a_b, std::vector<Vector6d>* gradients) {
+                  const Eigen::Isometry3d& T_a_b, PairDetails* details) {
   PairSums sums;
   for (const Pair& pair : pairs) {
     const auto i = static_cast<std::size_t>(pair.sample);
     const auto j = static_cast<std::size_t>(pair.partner);
     const Eigen::Vector3d q = T_a_b * matching.source->positions[i].cast<double>();
     const Eigen::Vector3d n = T_a_b.linear() * matching.source->normals[i].cast<double>();
-    const Vector6d gradient = addPair(matching, q, n, matching.target->positions[j].cast<double>(),
-                                      matching.target->normals[j].cast<double>(), &sums);
-    if (gradients != nullptr) gradients->push_back(gradient);
+    const Eigen::Vector3d m = matching.target->normals[j].cast<double>();
+    const Vector6d gradient =
+        addPair(matching, q, n, matching.target->positions[j].cast<double>(), m, &sums);
+    if (details == nullptr) continue;
+    details->gradients.push_back(gradient);
+    const Vector6d jacobian = planeJacobian(q, m);
+    details->normals += jacobian * jacobian.transpose();
   }
   return sums;
 }

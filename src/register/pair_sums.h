@@ -29,7 +29,6 @@ struct Matching {
 struct PairSums {
   Matrix6d information = Matrix6d::Zero();  ///< of weighted residuals, for unit noise
   Vector6d gradient = Vector6d::Zero();     ///< the step is -information^-1 gradient
-  Matrix6d normals = Matrix6d::Zero();      ///< information of distances from planes, all weights 1
   Eigen::Vector3d positions = Eigen::Vector3d::Zero();
   Eigen::Matrix3d position_squares = Eigen::Matrix3d::Zero();
   double squared_residuals = 0.0;  ///< m^2, distances from the partner's plane
@@ -50,9 +49,17 @@ struct Pair {
 std::vector<Pair> findPairs(const Matching& matching, const Eigen::Isometry3d& T_a_b,
                             std::vector<int>* hints);
 
-/// `gradients`, if given, are what every pair adds to the gradient.
+/// How far a pair's sample is from its partner's plane, m.
+double planeDistance(const Matching& matching, const Pair& pair, const Eigen::Isometry3d& T_a_b);
+
+/// What is known of pairs only where it is asked for.
+struct PairDetails {
+  std::vector<Vector6d> gradients;      ///< what every pair adds to the gradient
+  Matrix6d normals = Matrix6d::Zero();  ///< information of distances from planes, all weights 1
+};
+
 PairSums sumPairs(const Matching& matching, const std::vector<Pair>& pairs,
-                  const Eigen::Isometry3d& T_a_b, std::vector<Vector6d>* gradients = nullptr);
+                  const Eigen::Isometry3d& T_a_b, PairDetails* details = nullptr);
 
 /// Adds one pair and returns what it added to the gradient. `q`: b's point and `n`: its normal,
 /// both in a; `p`, `m`: the partner's.

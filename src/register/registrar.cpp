@@ -15,6 +15,8 @@ namespace {
 constexpr double kLeastSpacings = 1.2;
 /// Weights of the robust kernel change with every step, partners hardly, and these are dear.
 constexpr int kPolishSteps = 3;
+/// A sample lies on a surface if it is no farther from it than these scales of the robust kernel.
+constexpr double kFits = 2.0;
 /// Steps below which iterations have settled, and those that are no reason to mistrust a result.
 constexpr double kSettled_m = 5e-4;
 constexpr double kNearlySettled_m = 0.01;
@@ -41,7 +43,7 @@ class Descent {
   void anneal() {
     matching_.index = &*a_.samples.by_normal;
     matching_.min_normal_cosine = config_.min_normal_cosine;
-    const double final_m = std::max(config_.final_radius_m, kLeastSpacings * a_.samples.spacing_m);
+    const double final_m = finalRadius_m();
     const auto coarse = static_cast<std::size_t>(config_.coarse_samples);
     const std::size_t all = matching_.samples;
     for (double radius_m = config_.initial_radius_m; radius_m > final_m;
@@ -72,13 +74,30 @@ class Descent {
   RegistrationResult result(const RegistrationCloud& a, const RegistrationCloud& b) {
     FinalPairs final_pairs;
     final_pairs.pairs = findPairs(matching_, ending_.T_a_b, &hints_);
-    final_pairs.sums =
-        sumPairs(matching_, final_pairs.pairs, ending_.T_a_b, &final_pairs.gradients);
+    final_pairs.sums = sumPairs(matching_, final_pairs.pairs, ending_.T_a_b, &final_pairs.details);
     ending_.targets = matching_.target->positions.size();
+    ending_.fitting = fitting();
     return judge(config_, a, b, final_pairs, ending_);
   }
 
  private:
+  /// Where annealing ends.
+  double finalRadius_m() const {
+    return std::max(config_.final_radius_m, kLeastSpacings * a_.samples.spacing_m);
+  }
+
+  /// Samples that lie on a's surfaces. Around sparse ones the surface is sparse, too: partners may
+  /// be as far as the samples are from each other, but not their planes.
+  std::size_t fitting() {
+    Matching wide = matching_;
+    wide.radius_m = std::max(matching_.radius_m, finalRadius_m());
+    std::size_t count = 0;
+    for (const Pair& pair : findPairs(wide, ending_.T_a_b, &hints_)) {
+      if (planeDistance(wide, pair, ending_.T_a_b) < kFits * config_.robust_scale_m) ++count;
+    }
+    return count;
+  }
+
   void iterate(int steps_per_pairing) {
     hints_.clear();
     double size_m = 0.0;
