@@ -62,6 +62,10 @@ void addOptions(CLI::App* app, Options* o) {
                   "m, how far apart partners may be at first")
       ->check(CLI::Range(0.3, 100.0))
       ->capture_default_str();
+  app->add_option("--restarts", o->registration.restarts,
+                  "other attempts of annealed and plain where one diverged")
+      ->check(CLI::Range(0, RegistrationConfig::kMaxRestarts))
+      ->capture_default_str();
   app->add_option("--starts", o->starts.random_starts, "random starts")
       ->check(CLI::Range(0, 100000))
       ->capture_default_str();

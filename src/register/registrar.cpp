@@ -2,6 +2,7 @@
 #include "ladar_perception/register/registrar.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -21,12 +22,39 @@ constexpr double kFits = 2.0;
 constexpr double kSettled_m = 5e-4;
 constexpr double kNearlySettled_m = 0.01;
 
+/// How another attempt differs from the first: first radius, and a turn of b about its middle.
+struct Variation {
+  double radius_factor = 1.0;
+  double turn_deg = 0.0;
+  int axis = 2;
+
+  Eigen::Matrix3d rotation() const {
+    return Eigen::AngleAxisd(turn_deg * M_PI / 180.0, Eigen::Vector3d::Unit(axis))
+        .toRotationMatrix();
+  }
+};
+
+constexpr double kTurn_deg = 25.0;
+const std::array<Variation, 1 + RegistrationConfig::kMaxRestarts> kVariations = {
+    {{1.0, 0.0, 2},
+     {0.5, 0.0, 2},
+     {1.0, kTurn_deg, 2},
+     {1.0, -kTurn_deg, 2},
+     {2.0, 0.0, 2},
+     {1.0, kTurn_deg, 1},
+     {1.0, -kTurn_deg, 1},
+     {1.0, kTurn_deg, 0},
+     {1.0, -kTurn_deg, 0}}};
+
 /// One registration, from the guess to the end.
 class Descent {
  public:
   Descent(const RegistrationConfig& config, const RegistrationCloud& a, const RegistrationCloud& b,
-          const Eigen::Isometry3d& T_a_b_guess)
-      : config_(config), a_(a.parts()), b_(b.parts()) {
+          const Eigen::Isometry3d& T_a_b_guess, const Variation& variation)
+      : config_(config),
+        a_(a.parts()),
+        b_(b.parts()),
+        initial_radius_m_(variation.radius_factor * config.initial_radius_m) {
     matching_.target = &a_.samples;
     matching_.source = &b_.samples;
     matching_.samples = b_.samples.positions.size();
@@ -35,6 +63,7 @@ class Descent {
     ending_.T_a_b = T_a_b_guess;
     // Between the clouds' own origins: far from the frames' origins angles would be levers.
     ending_.T_a_b.translation() = T_a_b_guess * b.origin_m() - a.origin_m();
+    ending_.T_a_b.linear() = T_a_b_guess.linear() * variation.rotation();
     double squared_m2 = 0.0;
     for (const Eigen::Vector3f& p : b_.samples.positions) squared_m2 += p.squaredNorm();
     lever_m_ = std::sqrt(squared_m2 / std::max(static_cast<double>(matching_.samples), 1.0));
@@ -46,7 +75,7 @@ class Descent {
     const double final_m = finalRadius_m();
     const auto coarse = static_cast<std::size_t>(config_.coarse_samples);
     const std::size_t all = matching_.samples;
-    for (double radius_m = config_.initial_radius_m; radius_m > final_m;
+    for (double radius_m = initial_radius_m_; radius_m > final_m;
          radius_m *= config_.radius_factor) {
       matching_.radius_m = radius_m;
       matching_.samples = radius_m > config_.coarse_radius_m ? std::min(coarse, all) : all;
@@ -67,7 +96,7 @@ class Descent {
 
   void plain() {
     matching_.index = &a_.together();
-    matching_.radius_m = config_.initial_radius_m;
+    matching_.radius_m = initial_radius_m_;
     iterate(1);
   }
 
@@ -124,6 +153,7 @@ class Descent {
   const RegistrationConfig& config_;
   const RegistrationCloud::Parts& a_;
   const RegistrationCloud::Parts& b_;
+  double initial_radius_m_;
   Matching matching_;
   Ending ending_;
   std::vector<int> hints_;
@@ -159,14 +189,24 @@ RegistrationResult SurfaceRegistrar::align(const RegistrationCloud& a, const Reg
     result.reason = "the guess is not finite";
     return result;
   }
-  Descent descent(config_, a, b, T_a_b_guess);
-  if (config_.solver == "annealed") {
-    descent.anneal();
-    descent.polish();
-  } else {
-    descent.plain();
+  RegistrationResult best;
+  int iterations = 0;
+  for (int attempt = 0; attempt <= config_.restarts; ++attempt) {
+    Descent descent(config_, a, b, T_a_b_guess, kVariations[static_cast<std::size_t>(attempt)]);
+    if (config_.solver == "annealed") {
+      descent.anneal();
+      descent.polish();
+    } else {
+      descent.plain();
+    }
+    RegistrationResult result = descent.result(a, b);
+    iterations += result.iterations;
+    const bool found = result.verdict != Verdict::kDiverged;
+    if (attempt == 0 || found || result.overlap > best.overlap) best = std::move(result);
+    if (found) break;
   }
-  return descent.result(a, b);
+  best.iterations = iterations;
+  return best;
 }
 
 }  // namespace ladar_perception

@@ -24,6 +24,9 @@ void RegistrationConfig::addTo(ParamTable* table) {
              "of the kernel in the last iterations; pairs farther apart count little");
   table->add("max_iterations", &max_iterations, 1, 1000, "iterations",
              "of the last stage, and of the plain solver");
+  table->add("restarts", &restarts, 0, kMaxRestarts, "restarts",
+             "of a registration that diverged: with half the first radius, then from guesses that "
+             "are turned by 25 degrees (yaw, pitch, roll); twice the radius is the fourth");
   table->add("min_overlap", &min_overlap, 0.0, 1.0, "",
              "a lesser share of points with a partner at the end is no registration");
   table->add("min_information", &min_information, 0.0, 1.0, "",

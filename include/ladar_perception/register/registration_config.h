@@ -10,6 +10,8 @@ namespace ladar_perception {
 
 /// Configuration of a SurfaceRegistrar.
 struct RegistrationConfig {
+  static constexpr int kMaxRestarts = 8;
+
   std::string solver = "annealed";
   std::string cost = "point_to_plane";
   double initial_radius_m = 10.0;
@@ -20,6 +22,7 @@ struct RegistrationConfig {
   double min_normal_cosine = 0.7;
   double robust_scale_m = 0.1;
   int max_iterations = 30;
+  int restarts = 3;
   double min_overlap = 0.35;
   double min_information = 0.01;
 
