@@ -32,7 +32,9 @@ Interval wilsonInterval(std::size_t successes, std::size_t trials) {
   const double middle = share + kZ * kZ / (2.0 * n);
   const double half = kZ * std::sqrt(share * (1.0 - share) / n + kZ * kZ / (4.0 * n * n));
   const double scale = 1.0 / (1.0 + kZ * kZ / n);
-  return {std::max(0.0, (middle - half) * scale), std::min(1.0, (middle + half) * scale)};
+  // Rounding must not leave a share of 0 or 1 outside.
+  return {std::clamp((middle - half) * scale, 0.0, share),
+          std::clamp((middle + half) * scale, share, 1.0)};
 }
 
 PairedComparison mcnemar(const std::vector<bool>& a, const std::vector<bool>& b) {

@@ -308,6 +308,21 @@ TEST(SurfaceRegistrar, CovarianceIsThatOfManyTrials) {
   }
 }
 
+TEST(SurfaceRegistrar, StartsAgainWhereItDiverged) {
+  const PlacePair pair = pairOf(test::roomFaces(), Isometry3d::Identity());
+  RegistrationConfig config;
+  config.initial_radius_m = 0.6;  // too little for this guess
+  const Isometry3d guess = motion({0.9, 0.9, 0.9}, 0.0);
+  config.restarts = 0;
+  const RegistrationResult once = SurfaceRegistrar(config).align(pair.a, pair.b, guess);
+  EXPECT_EQ(once.verdict, Verdict::kDiverged);
+  config.restarts = RegistrationConfig::kMaxRestarts;
+  const RegistrationResult again = SurfaceRegistrar(config).align(pair.a, pair.b, guess);
+  EXPECT_GT(again.overlap, once.overlap);
+  EXPECT_GT(again.iterations, once.iterations);
+  expectFound(pair, again, 0.01, 0.2);
+}
+
 TEST(SurfaceRegistrar, RefusesBadConfigurations) {
   RegistrationConfig config;
   config.solver = "magic";

@@ -22,6 +22,19 @@ TEST(WilsonInterval, IsThatOfTheTextbooks) {
   EXPECT_EQ(d.high, 1.0);
 }
 
+TEST(WilsonInterval, HasTheShareInIt) {
+  for (std::size_t trials = 1; trials < 200; ++trials) {
+    for (const std::size_t successes : {std::size_t{0}, trials / 3, trials}) {
+      const Interval interval = wilsonInterval(successes, trials);
+      const double share = static_cast<double>(successes) / static_cast<double>(trials);
+      EXPECT_LE(interval.low, share);
+      EXPECT_GE(interval.high, share);
+      EXPECT_GE(interval.low, 0.0);
+      EXPECT_LE(interval.high, 1.0);
+    }
+  }
+}
+
 TEST(WilsonInterval, KnowsNothingWithoutTrials) {
   const Interval all = wilsonInterval(0, 0);
   EXPECT_EQ(all.low, 0.0);

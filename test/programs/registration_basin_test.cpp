@@ -154,7 +154,8 @@ TEST_F(RegistrationBasin, Helps) {
 }
 
 /// A pair of real scans whose transform is known: almost all starts find it.
-void expectRealPair(const std::string& a, const std::string& b, const std::string& truth) {
+void expectRealPair(const std::string& a, const std::string& b, const std::string& truth,
+                    const std::string& method = "random") {
   if (realData(a).empty()) GTEST_SKIP() << "no real data (LADAR_DATA)";
   const ScratchFolder folder;
   const std::string matrix = folder.write("truth.txt", truth);
@@ -163,10 +164,10 @@ void expectRealPair(const std::string& a, const std::string& b, const std::strin
       {realData(a), realData(b), "--truth", matrix, "--count", "2000", "--out", folder.path(),
        "--methods", "random", "--starts", "20", "--steps", "0", "--no-pictures"}));
   const nlohmann::json json = readJson(folder.file("basin.json"));
-  EXPECT_GE(json["methods"]["random"]["success"].get<double>(), 0.9);
+  EXPECT_GE(json["methods"][method]["success"].get<double>(), 0.9);
   // What is said to have converged has.
-  for (const nlohmann::json& start : json["methods"]["random"]["random"]) {
-    if (start["verdict"] == "converged") EXPECT_TRUE(start["success"]) << start;
+  for (const nlohmann::json& start : json["methods"][method]["random"]) {
+    EXPECT_TRUE(start["success"] || start["verdict"] != "converged") << start;
   }
 }
 
@@ -188,11 +189,13 @@ TEST(RegistrationBasinOfRealScans, Kitti) {
                  "-0.000877764 0.063010070 0.005029987 0.000775334 0.999987049 0.021580776");
 }
 
-/// From its own registration, whose start, odometry, is 3 cm and 1 degree off.
+/// The truth is its own registration from odometry. Here most of the scan is what is next to the
+/// sensor, and random points are not enough.
 TEST(RegistrationBasinOfRealScans, IndoorScans) {
   expectRealPair("3dtk_indoor/scan000.3d", "3dtk_indoor/scan001.3d",
                  "0.999858 -0.013324 0.010290 1.569113 0.013378 0.999897 -0.005205 0.038852 "
-                 "-0.010218 0.005341 0.999934 -0.100762 0 0 0 1");
+                 "-0.010218 0.005341 0.999934 -0.100762 0 0 0 1",
+                 "range:min=1");
 }
 
 }  // namespace
