@@ -162,7 +162,7 @@ void expectRealPair(const std::string& a, const std::string& b, const std::strin
   expectSuccess(runProgram(
       "registration_basin",
       {realData(a), realData(b), "--truth", matrix, "--count", "2000", "--out", folder.path(),
-       "--methods", "random", "--starts", "20", "--steps", "0", "--no-pictures"}));
+       "--methods", method, "--starts", "20", "--steps", "0", "--no-pictures"}));
   const nlohmann::json json = readJson(folder.file("basin.json"));
   EXPECT_GE(json["methods"][method]["success"].get<double>(), 0.9);
   // What is said to have converged has.
