@@ -9,7 +9,7 @@ build_packages=(
   ros-std-msgs libroscpp-dev libroslib-dev libnodeletlib-dev pluginlib-dev libtf2-dev
   libtf2-ros-dev libtf2-msgs-dev libsensor-msgs-dev libstd-srvs-dev libgeometry-msgs-dev
   libdiagnostic-updater-dev librosbag-dev libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev
-  libcli11-dev libpcl-dev libarmadillo-dev libnanoflann-dev)
+  libcli11-dev libpcl-dev libarmadillo-dev libnanoflann-dev libceres-dev)
 run_packages=(
   libnodeletlib-tools python3-roslaunch python3-rosbag librosbag-dev python3-rospy rosout rosbash
   rospack-tools python3-rosservice python3-matplotlib python3-numpy)
