@@ -25,11 +25,11 @@ namespace {
 constexpr int kMaxReviews = 4;
 // How much narrower each optimisation's robust kernel is than the one before.
 constexpr double kNarrowing = 4.0;
-// Weighs angles against metres where a path's uncertainty must be one number: how far ahead, about,
-// the next pose's overlap counts.
+// Weighs angles against metres where a constraint's uncertainty must be one number: about how far
+// from a pose it is used.
 constexpr double kLeverM = 10.0;
 
-double uncertainty(const Matrix6d& covariance) {
+double lengthOf(const Matrix6d& covariance) {
   return covariance.topLeftCorner<3, 3>().trace() +
          kLeverM * kLeverM * covariance.bottomRightCorner<3, 3>().trace();
 }
@@ -149,7 +149,9 @@ int PoseGraph::addConstraint(const PoseConstraint& constraint) {
   }
   const auto index = static_cast<int>(constraints_.size());
   constraints_.push_back(constraint);
-  covariances_.push_back(invertSymmetric(constraint.information));
+  const Matrix6d covariance = invertSymmetric(constraint.information);
+  steps_.push_back(
+      {covariance, invertedCovariance(constraint.T_from_to, covariance), lengthOf(covariance)});
   constraints_at_[constraint.from].push_back(index);
   constraints_at_[constraint.to].push_back(index);
   return index;
@@ -231,34 +233,42 @@ std::vector<int> PoseGraph::around(const std::vector<int>& seeds, int window) co
 }
 
 std::vector<TreeNode> PoseGraph::treeFrom(int root) const {
+  // Dijkstra's method on scalars; covariances only along the paths that it leaves.
   std::vector<TreeNode> tree(size());
   std::vector<bool> done(size(), false);
+  std::vector<int> by(size(), -1);  // the constraint that leads to a pose
   std::vector<double> best(size(), std::numeric_limits<double>::infinity());
   using Entry = std::pair<double, int>;  // ties go to the lower index
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   tree.at(root).hops = 0;
+  best[root] = 0.0;
   queue.emplace(0.0, root);
   while (!queue.empty()) {
     const int a = queue.top().second;
     queue.pop();
     if (done[a]) continue;
     done[a] = true;
+    if (a != root) extendTree(by[a], a, &tree);
     for (const int index : constraints_at_[a]) {
       const PoseConstraint& constraint = constraints_[index];
-      const bool forward = constraint.from == a;
-      const int b = forward ? constraint.to : constraint.from;
-      if (!constraint.enabled || done[b]) continue;
-      const Matrix6d step = forward ? covariances_[index]
-                                    : invertedCovariance(constraint.T_from_to, covariances_[index]);
-      const Matrix6d covariance = composedCovariance(tree[a].covariance, relative(a, b), step);
-      const double cost = uncertainty(covariance);
-      if (cost >= best[b]) continue;
-      best[b] = cost;
-      tree[b] = {a, tree[a].hops + 1, covariance};
-      queue.emplace(cost, b);
+      const int b = constraint.from == a ? constraint.to : constraint.from;
+      const double length = best[a] + steps_[index].length;
+      if (!constraint.enabled || done[b] || length >= best[b]) continue;
+      best[b] = length;
+      by[b] = index;
+      queue.emplace(length, b);
     }
   }
   return tree;
+}
+
+void PoseGraph::extendTree(int constraint, int pose, std::vector<TreeNode>* tree) const {
+  const bool forward = constraints_[constraint].to == pose;
+  const int parent = forward ? constraints_[constraint].from : constraints_[constraint].to;
+  const Matrix6d& step = forward ? steps_[constraint].forward : steps_[constraint].backward;
+  const TreeNode& before = (*tree)[parent];
+  (*tree)[pose] = {parent, before.hops + 1,
+                   composedCovariance(before.covariance, relative(parent, pose), step)};
 }
 
 }  // namespace ladar_perception

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose_problem.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 namespace ladar_perception {
@@ -82,7 +83,12 @@ bool PoseManifold::MinusJacobian(const double* x, double* jacobian) const {
 }
 
 ConstraintCost::ConstraintCost(const PoseConstraint& constraint) : constraint_(constraint) {
-  // By eigenvalues, because the information may be singular.
+  const Eigen::LLT<Matrix6d> cholesky(constraint.information);
+  if (cholesky.info() == Eigen::Success) {
+    root_ = cholesky.matrixU();
+    return;
+  }
+  // Singular: by eigenvalues, which take ten times as long.
   const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(constraint.information);
   root_ = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
           solver.eigenvectors().transpose();

@@ -81,13 +81,21 @@ class PoseGraph {
 
  private:
   OptimizeReport solve(const std::vector<int>& free);
+  /// The node of a pose that a constraint connects with a pose of the tree.
+  void extendTree(int constraint, int pose, std::vector<TreeNode>* tree) const;
   /// How many constraints changed between retired and not.
   int reviewRegistrations();
 
   PoseGraphOptions options_;
   std::vector<Eigen::Isometry3d> T_map_poses_;
   std::vector<PoseConstraint> constraints_;
-  std::vector<Matrix6d> covariances_;  // of the constraints
+  /// Of a constraint, in the frames of its two ends.
+  struct Step {
+    Matrix6d forward;   // of T_from_to
+    Matrix6d backward;  // of T_to_from
+    double length = 0.0;
+  };
+  std::vector<Step> steps_;  // as many as constraints
   std::vector<std::vector<int>> constraints_at_;
 };
 
