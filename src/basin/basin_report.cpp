@@ -59,6 +59,15 @@ Share shareOf(const std::vector<Outcome>& outcomes) {
           outcomes.size()};
 }
 
+Json rowsOf(const Eigen::Isometry3d& T) {
+  Json rows = Json::array();
+  for (int row = 0; row < 4; ++row) {
+    rows.push_back(Json::array());
+    for (int col = 0; col < 4; ++col) rows.back().push_back(T(row, col));
+  }
+  return rows;
+}
+
 Json orNull(double value) { return value < 0.0 ? Json(nullptr) : Json(value); }
 
 Json curvesJson(const BasinReport& report, const MethodOutcomes& method) {
@@ -148,17 +157,12 @@ Json comparisonsJson(const BasinReport& report) {
 }  // namespace
 
 std::string basinJson(const BasinReport& report) {
-  Json truth = Json::array();
-  for (int row = 0; row < 4; ++row) {
-    truth.push_back(Json::array());
-    for (int col = 0; col < 4; ++col) truth.back().push_back(report.T_a_b_truth(row, col));
-  }
   Json json = {{"cloud_a", report.cloud_a},
                {"cloud_b", report.cloud_b},
                {"solver", report.solver},
                {"count", report.count},
                {"truth_from", report.truth},
-               {"T_a_b_truth", truth},
+               {"T_a_b_truth", rowsOf(report.T_a_b_truth)},
                {"success_m", kSuccess_m},
                {"success_deg", kSuccess_deg},
                {"max_translation_m", report.options.max_translation_m},

@@ -37,7 +37,7 @@ struct Outcome {
   double error_deg = 0.0;
   double residual_m = 0.0;
   double overlap = 0.0;
-  double ms = 0.0;
+  double ms = 0.0;  ///< processor time
   Verdict verdict = Verdict::kDiverged;
 };
 
@@ -51,6 +51,7 @@ struct MethodOutcomes {
   double sampling_ms = 0.0;  ///< of both clouds
   double prepare_ms = 0.0;   ///< of both clouds: indices
   Outcome from_truth;
+  Eigen::Isometry3d T_a_b_from_truth = Eigen::Isometry3d::Identity();
   std::vector<Outcome> outcomes;  ///< as many as starts
 };
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <limits>
+#include <vector>
 
 #include "ladar_perception/register/registrar.h"
 #include "registration_cloud_parts.h"
@@ -28,19 +29,34 @@ struct Matching {
 struct PairSums {
   Matrix6d information = Matrix6d::Zero();  ///< of weighted residuals, for unit noise
   Vector6d gradient = Vector6d::Zero();     ///< the step is -information^-1 gradient
-  Matrix6d spread = Matrix6d::Zero();       ///< of the gradient's terms: their sum of squares
-  Matrix6d unweighted = Matrix6d::Zero();   ///< information of the normals alone, all weights 1
-  Eigen::Vector3d position_sum = Eigen::Vector3d::Zero();
-  double squared_position_sum = 0.0;
-  double squared_residual_sum = 0.0;  ///< m^2, distances from the partner's plane
+  Matrix6d normals = Matrix6d::Zero();      ///< information of distances from planes, all weights 1
+  Eigen::Vector3d positions = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d position_squares = Eigen::Matrix3d::Zero();
+  double squared_residuals = 0.0;  ///< m^2, distances from the partner's plane
+  double weights = 0.0;            ///< of the robust kernel: its slope over the residual
+  double curvatures = 0.0;         ///< of the robust kernel: its second derivative
   std::size_t pairs = 0;
 };
 
-/// `T_a_b`: between the clouds' local origins.
-PairSums sumPairs(const Matching& matching, const Eigen::Isometry3d& T_a_b);
+/// A sample of b and its partner in a.
+struct Pair {
+  int sample = 0;
+  int partner = 0;
+};
 
-/// What one pair adds. `q`: b's point and `n`: its normal, both in a; `p`, `m`: the partner's.
-void addPair(const Matching& matching, const Eigen::Vector3d& q, const Eigen::Vector3d& n,
-             const Eigen::Vector3d& p, const Eigen::Vector3d& m, PairSums* sums);
+/// Pairs for `T_a_b` between the clouds' local origins. `hints`: partners of b's samples in the
+/// same index from the iteration before, kNone where there was none; those of this one when it
+/// returns.
+std::vector<Pair> findPairs(const Matching& matching, const Eigen::Isometry3d& T_a_b,
+                            std::vector<int>* hints);
+
+/// `gradients`, if given, are what every pair adds to the gradient.
+PairSums sumPairs(const Matching& matching, const std::vector<Pair>& pairs,
+                  const Eigen::Isometry3d& T_a_b, std::vector<Vector6d>* gradients = nullptr);
+
+/// Adds one pair and returns what it added to the gradient. `q`: b's point and `n`: its normal,
+/// both in a; `p`, `m`: the partner's.
+Vector6d addPair(const Matching& matching, const Eigen::Vector3d& q, const Eigen::Vector3d& n,
+                 const Eigen::Vector3d& p, const Eigen::Vector3d& m, PairSums* sums);
 
 }  // namespace ladar_perception

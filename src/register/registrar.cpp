@@ -13,8 +13,10 @@ namespace {
 
 /// Pairs closer than the points' own spacing are luck.
 constexpr double kLeastSpacings = 1.2;
+/// Weights of the robust kernel change with every step, partners hardly, and these are dear.
+constexpr int kPolishSteps = 3;
 /// Steps below which iterations have settled, and those that are no reason to mistrust a result.
-constexpr double kSettled_m = 1e-4;
+constexpr double kSettled_m = 5e-4;
 constexpr double kNearlySettled_m = 0.01;
 
 /// One registration, from the guess to the end.
@@ -46,7 +48,7 @@ class Descent {
          radius_m *= config_.radius_factor) {
       matching_.radius_m = radius_m;
       matching_.samples = radius_m > config_.coarse_radius_m ? std::min(coarse, all) : all;
-      step();
+      step(1);
     }
     matching_.samples = all;
   }
@@ -58,35 +60,46 @@ class Descent {
     matching_.index = &*finest.by_normal;
     matching_.robust_scale_m = config_.robust_scale_m;
     matching_.radius_m = std::max(config_.final_radius_m, kLeastSpacings * finest.spacing_m);
-    iterate();
+    iterate(kPolishSteps);
   }
 
   void plain() {
     matching_.index = &a_.together();
     matching_.radius_m = config_.initial_radius_m;
-    iterate();
+    iterate(1);
   }
 
-  PairSums pairs() const { return sumPairs(matching_, ending_.T_a_b); }
-  const Ending& ending() const { return ending_; }
+  RegistrationResult result(const RegistrationCloud& a, const RegistrationCloud& b) {
+    FinalPairs final_pairs;
+    final_pairs.pairs = findPairs(matching_, ending_.T_a_b, &hints_);
+    final_pairs.sums =
+        sumPairs(matching_, final_pairs.pairs, ending_.T_a_b, &final_pairs.gradients);
+    ending_.targets = matching_.target->positions.size();
+    return judge(config_, a, b, final_pairs, ending_);
+  }
 
  private:
-  void iterate() {
+  void iterate(int steps_per_pairing) {
+    hints_.clear();
     double size_m = 0.0;
     for (int i = 0; i < config_.max_iterations; ++i) {
-      size_m = step();
+      size_m = step(steps_per_pairing);
       if (!(size_m > kSettled_m)) break;
     }
     ending_.settled = size_m < kNearlySettled_m;
   }
 
-  /// One iteration; how far it moved the samples, m.
-  double step() {
-    const Vector6d twist = gaussNewtonStep(sumPairs(matching_, ending_.T_a_b));
-    ending_.T_a_b = expTwist(twist) * ending_.T_a_b;
+  /// One pairing and some steps with it; how far these moved the samples, m.
+  double step(int steps) {
+    const std::vector<Pair> pairs = findPairs(matching_, ending_.T_a_b, &hints_);
+    Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
+    for (int i = 0; i < steps; ++i) {
+      moved = expTwist(gaussNewtonStep(sumPairs(matching_, pairs, moved * ending_.T_a_b))) * moved;
+    }
+    ending_.T_a_b = moved * ending_.T_a_b;
     ending_.T_a_b.linear() = nearestRotation(ending_.T_a_b.linear());
     ++ending_.iterations;
-    return twist.tail<3>().norm() + lever_m_ * twist.head<3>().norm();
+    return moved.translation().norm() + lever_m_ * Eigen::AngleAxisd(moved.linear()).angle();
   }
 
   const RegistrationConfig& config_;
@@ -94,6 +107,7 @@ class Descent {
   const RegistrationCloud::Parts& b_;
   Matching matching_;
   Ending ending_;
+  std::vector<int> hints_;
   double lever_m_ = 0.0;
 };
 
@@ -133,7 +147,7 @@ RegistrationResult SurfaceRegistrar::align(const RegistrationCloud& a, const Reg
   } else {
     descent.plain();
   }
-  return judge(config_, a, b, descent.pairs(), descent.ending());
+  return descent.result(a, b);
 }
 
 }  // namespace ladar_perception

@@ -27,7 +27,7 @@ void RegistrationConfig::addTo(ParamTable* table) {
   table->add("min_overlap", &min_overlap, 0.0, 1.0, "",
              "a lesser share of points with a partner at the end is no registration");
   table->add("min_information", &min_information, 0.0, 1.0, "",
-             "directions of motion about which pairs tell less than this are weak");
+             "motions of which pairs see a lesser share, squared, are weak: the corridor's length");
 }
 
 std::vector<std::string> RegistrationConfig::validate() const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "surface_index.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nanoflann.hpp>
 
@@ -8,6 +9,9 @@ namespace ladar_perception {
 namespace {
 
 constexpr std::size_t kLeafSize = 10;
+
+/// A normal is at most 36 degrees from the direction of its bin, members at most 53.
+constexpr float kMemberCosine = 0.6F;
 
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, TreePoints>,
                                                  TreePoints, 3, uint32_t>;
@@ -30,6 +34,18 @@ struct NearestWithin {
   }
 };
 
+Eigen::Vector3f directionOf(int bin) {
+  Eigen::Vector3f direction = Eigen::Vector3f::Zero();
+  if (bin < 6) {
+    direction[bin / 2] = bin % 2 == 0 ? 1.0F : -1.0F;
+    return direction;
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    direction[axis] = ((bin - 6) >> axis) % 2 == 0 ? 1.0F : -1.0F;
+  }
+  return direction.normalized();
+}
+
 }  // namespace
 
 struct SurfaceIndex::Bin {
@@ -48,14 +64,23 @@ int SurfaceIndex::binOf(const Eigen::Vector3f& normal) {
          (normal.z() < 0.0F ? 4 : 0);
 }
 
+void SurfaceIndex::insert(int bin, const Eigen::Vector3f& position, std::size_t original) {
+  std::unique_ptr<Bin>& members = bins_[static_cast<std::size_t>(bin)];
+  if (!members) members = std::make_unique<Bin>();
+  members->data.points.push_back(position);
+  members->originals.push_back(static_cast<uint32_t>(original));
+  members_[original] =
+      static_cast<uint16_t>(members_[original] | (1U << static_cast<unsigned>(bin)));
+}
+
 SurfaceIndex::SurfaceIndex(const std::vector<Eigen::Vector3f>& positions,
                            const std::vector<Eigen::Vector3f>& normals, bool by_normal)
-    : by_normal_(by_normal) {
+    : by_normal_(by_normal), positions_(positions), members_(positions.size(), 0) {
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    std::unique_ptr<Bin>& bin = bins_[by_normal ? binOf(normals[i]) : 0];
-    if (!bin) bin = std::make_unique<Bin>();
-    bin->data.points.push_back(positions[i]);
-    bin->originals.push_back(static_cast<uint32_t>(i));
+    if (!by_normal) insert(0, positions[i], i);
+    for (int bin = 0; by_normal && bin < kBins; ++bin) {
+      if (normals[i].dot(directionOf(bin)) > kMemberCosine) insert(bin, positions[i], i);
+    }
   }
   for (std::unique_ptr<Bin>& bin : bins_) {
     if (!bin) continue;
@@ -69,10 +94,19 @@ SurfaceIndex::SurfaceIndex(SurfaceIndex&&) noexcept = default;
 SurfaceIndex& SurfaceIndex::operator=(SurfaceIndex&&) noexcept = default;
 
 int SurfaceIndex::nearest(const Eigen::Vector3f& position, const Eigen::Vector3f& normal,
-                          float radius_squared) const {
-  const std::unique_ptr<Bin>& bin = bins_[by_normal_ ? binOf(normal) : 0];
+                          float radius_squared, int hint) const {
+  const int at = by_normal_ ? binOf(normal) : 0;
+  const std::unique_ptr<Bin>& bin = bins_[static_cast<std::size_t>(at)];
   if (!bin) return kNone;
   NearestWithin result{radius_squared};
+  const bool knows =
+      hint != kNone &&
+      ((members_[static_cast<std::size_t>(hint)] >> static_cast<unsigned>(at)) & 1U) != 0;
+  if (knows) {
+    // A bit farther, so that the search finds the hint itself if nothing is nearer.
+    const float squared = (positions_[static_cast<std::size_t>(hint)] - position).squaredNorm();
+    result.best_squared = std::min(radius_squared, squared * 1.0001F + 1e-9F);
+  }
   bin->tree->findNeighbors(result, position.data(), nanoflann::SearchParams());
   return result.found ? static_cast<int>(bin->originals[result.index]) : kNone;
 }

@@ -37,9 +37,11 @@ class SurfaceIndex {
   SurfaceIndex(SurfaceIndex&&) noexcept;
   SurfaceIndex& operator=(SurfaceIndex&&) noexcept;
 
-  /// The nearest point in the bin of `normal`, or kNone if none is within the radius.
-  int nearest(const Eigen::Vector3f& position, const Eigen::Vector3f& normal,
-              float radius_squared) const;
+  /// The nearest point in the tree of `normal`, or kNone if none is within the radius. All points
+  /// are there whose normals differ by up to 17 degrees, none by more than 90. `hint`: a point that
+  /// may be near, or kNone; the result does not depend on it, but the time does.
+  int nearest(const Eigen::Vector3f& position, const Eigen::Vector3f& normal, float radius_squared,
+              int hint) const;
   /// The `count` nearest points of all, nearest first, for an index of one tree.
   void nearest(const Eigen::Vector3f& position, std::size_t count, std::vector<uint32_t>* found,
                std::vector<float>* squared_distances) const;
@@ -48,8 +50,11 @@ class SurfaceIndex {
   struct Bin;
   static constexpr int kBins = 14;
   static int binOf(const Eigen::Vector3f& normal);
+  void insert(int bin, const Eigen::Vector3f& position, std::size_t original);
 
   bool by_normal_;
+  std::vector<Eigen::Vector3f> positions_;
+  std::vector<uint16_t> members_;  ///< bit b: the point is in bin b
   std::array<std::unique_ptr<Bin>, kBins> bins_;
 };
 

@@ -116,7 +116,7 @@ TEST(PairSums, GeneralizedIsPointToPlaneWhereNormalsAgree) {
   matching.generalized = true;
   const PairSums generalized = sumsOf(matching, pair);
   EXPECT_LT((plane.gradient - generalized.gradient).norm(), 1e-9);
-  EXPECT_EQ(plane.squared_residual_sum, generalized.squared_residual_sum);
+  EXPECT_EQ(plane.squared_residuals, generalized.squared_residuals);
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ TEST(SurfaceRegistrar, FindsTheTransformFromFarAway) {
     const Isometry3d guess = pair.T_a_b * motion({1.5, 1.0, -0.5}, 20.0, {0.3, -0.2, 1.0});
     const RegistrationResult result = registrar.align(pair.a, pair.b, guess);
     expectFound(pair, result, 0.005, 0.1);
-    EXPECT_GT(result.overlap, 0.95);
+    EXPECT_GT(result.overlap, 0.9);
     EXPECT_LT(result.residual_m, 2.0 * kNoise_m);
     EXPECT_EQ(result.weak_directions, 0);
   }
@@ -157,8 +157,9 @@ TEST(SurfaceRegistrar, KnowsThatACorridorHidesItsLength) {
   // Along a's x axis, without any turn.
   const Vector6d weak = result.directions.col(0);
   EXPECT_GT(std::abs(weak[3]), 0.999);
+  EXPECT_LT(weak.head<3>().norm(), 1e-2);
   // Right across, unknown along.
-  const Isometry3d error = pair.T_a_b.inverse() * result.T_a_b;
+  const Isometry3d error = result.T_a_b * pair.T_a_b.inverse();
   EXPECT_LT(error.translation().tail<2>().norm(), 0.01);
   EXPECT_LT(angleDeg(error), 0.1);
   const Vector3d along_b = pair.T_a_b.linear().transpose() * Vector3d::UnitX();

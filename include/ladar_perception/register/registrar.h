@@ -30,13 +30,13 @@ struct RegistrationResult {
   Matrix6d covariance = Matrix6d::Zero();
   double overlap = 0.0;     ///< share of b's samples with a partner at the end
   double residual_m = 0.0;  ///< root mean square distance of these from the partner's plane
-  /// Eigenvalues, ascending, and eigenvectors of the mean information of a pair for unit noise:
-  /// twists in a's axes about `center_m`, rotation times `lever_m`. All directions together have
-  /// 1 (translation) and at most 1 (rotation).
+  /// What the pairs tell of motions, least first: share of a motion of the pairs' points, squared,
+  /// that is across their surfaces. Only such motion is seen.
   Vector6d information = Vector6d::Zero();
-  Matrix6d directions = Matrix6d::Identity();
+  /// These motions: a column is a twist of b in a's axes about `center_m`, by which points move 1 m
+  /// (root mean square).
+  Matrix6d directions = Matrix6d::Zero();
   Eigen::Vector3d center_m = Eigen::Vector3d::Zero();  ///< of the pairs, in frame a
-  double lever_m = 1.0;                                ///< root mean square distance from there
   int weak_directions = 0;  ///< the first of `directions`, told less than min_information of
   Verdict verdict = Verdict::kDiverged;
   std::string reason;  ///< of a verdict other than converged

@@ -19,9 +19,9 @@ struct RegistrationConfig {
   int coarse_samples = 500;
   double min_normal_cosine = 0.7;
   double robust_scale_m = 0.1;
-  int max_iterations = 50;
+  int max_iterations = 30;
   double min_overlap = 0.3;
-  double min_information = 0.005;
+  double min_information = 0.01;
 
   /// Names, ranges, units and meanings of the fields above.
   void addTo(ParamTable* table);

@@ -14,11 +14,11 @@ namespace ladar_perception {
 /// Nearer returns are of the vehicle itself, or noise.
 constexpr double kNearestReturn_m = 0.5;
 
-/// Indices of the points that are measurements: finite, at least kNearestReturn_m from the sensor, and not at
-/// the range that some sensors report where nothing came back. Such returns lie on a thin shell
-/// that is the farthest of the cloud and stands out by ten times from the ranges below.
+/// Indices of the points that are measurements: finite, at least kNearestReturn_m from the sensor,
+/// and not at the range that some sensors report where nothing came back. Such returns lie on a
+/// thin shell that is the farthest of the cloud and stands out by ten times from the ranges below.
 std::vector<uint32_t> plausibleReturns(const std::vector<Eigen::Vector3d>& positions_m,
-                                              const Eigen::Vector3d& sensor_m);
+                                       const Eigen::Vector3d& sensor_m);
 
 /// Centroids of about `count` voxels (within a tenth; fewer if there are fewer points), whose size
 /// is chosen for that, with normals by principal components of the 12 nearest centroids. Normals
