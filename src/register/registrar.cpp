@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ladar_perception/register/registrar.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "judgement.h"
+#include "ladar_perception/register/twist.h"
+
+namespace ladar_perception {
+namespace {
+
+/// Pairs closer than the points' own spacing are luck.
+constexpr double kLeastSpacings = 1.2;
+/// Weights of the robust kernel change with every step, partners hardly, and these are dear.
+constexpr int kPolishSteps = 3;
+/// Steps below which iterations have settled, and those that are no reason to mistrust a result.
+constexpr double kSettled_m = 5e-4;
+constexpr double kNearlySettled_m = 0.01;
+
+/// One registration, from the guess to the end.
+class Descent {
+ public:
+  Descent(const RegistrationConfig& config, const RegistrationCloud& a, const RegistrationCloud& b,
+          const Eigen::Isometry3d& T_a_b_guess)
+      : config_(config), a_(a.parts()), b_(b.parts()) {
+    matching_.target = &a_.samples;
+    matching_.source = &b_.samples;
+    matching_.samples = b_.samples.positions.size();
+    matching_.generalized = config.cost == "generalized";
+    ending_.samples = matching_.samples;
+    ending_.T_a_b = T_a_b_guess;
+    // Between the clouds' own origins: far from the frames' origins angles would be levers.
+    ending_.T_a_b.translation() = T_a_b_guess * b.origin_m() - a.origin_m();
+    double squared_m2 = 0.0;
+    for (const Eigen::Vector3f& p : b_.samples.positions) squared_m2 += p.squaredNorm();
+    lever_m_ = std::sqrt(squared_m2 / std::max(static_cast<double>(matching_.samples), 1.0));
+  }
+
+  void anneal() {
+    matching_.index = &*a_.samples.by_normal;
+    matching_.min_normal_cosine = config_.min_normal_cosine;
+    const double final_m = std::max(config_.final_radius_m, kLeastSpacings * a_.samples.spacing_m);
+    const auto coarse = static_cast<std::size_t>(config_.coarse_samples);
+    const std::size_t all = matching_.samples;
+    for (double radius_m = config_.initial_radius_m; radius_m > final_m;
+         radius_m *= config_.radius_factor) {
+      matching_.radius_m = radius_m;
+      matching_.samples = radius_m > config_.coarse_radius_m ? std::min(coarse, all) : all;
+      step(1);
+    }
+    matching_.samples = all;
+  }
+
+  /// Against the finest points, until the steps are small.
+  void polish() {
+    const IndexedPoints& finest = a_.finest();
+    matching_.target = &finest;
+    matching_.index = &*finest.by_normal;
+    matching_.robust_scale_m = config_.robust_scale_m;
+    matching_.radius_m = std::max(config_.final_radius_m, kLeastSpacings * finest.spacing_m);
+    iterate(kPolishSteps);
+  }
+
+  void plain() {
+    matching_.index = &a_.together();
+    matching_.radius_m = config_.initial_radius_m;
+    iterate(1);
+  }
+
+  RegistrationResult result(const RegistrationCloud& a, const RegistrationCloud& b) {
+    FinalPairs final_pairs;
+    final_pairs.pairs = findPairs(matching_, ending_.T_a_b, &hints_);
+    final_pairs.sums =
+        sumPairs(matching_, final_pairs.pairs, ending_.T_a_b, &final_pairs.gradients);
+    ending_.targets = matching_.target->positions.size();
+    return judge(config_, a, b, final_pairs, ending_);
+  }
+
+ private:
+  void iterate(int steps_per_pairing) {
+    hints_.clear();
+    double size_m = 0.0;
+    for (int i = 0; i < config_.max_iterations; ++i) {
+      size_m = step(steps_per_pairing);
+      if (!(size_m > kSettled_m)) break;
+    }
+    ending_.settled = size_m < kNearlySettled_m;
+  }
+
+  /// One pairing and some steps with it; how far these moved the samples, m.
+  double step(int steps) {
+    const std::vector<Pair> pairs = findPairs(matching_, ending_.T_a_b, &hints_);
+    Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
+    for (int i = 0; i < steps; ++i) {
+      moved = expTwist(gaussNewtonStep(sumPairs(matching_, pairs, moved * ending_.T_a_b))) * moved;
+    }
+    ending_.T_a_b = moved * ending_.T_a_b;
+    ending_.T_a_b.linear() = nearestRotation(ending_.T_a_b.linear());
+    ++ending_.iterations;
+    return moved.translation().norm() + lever_m_ * Eigen::AngleAxisd(moved.linear()).angle();
+  }
+
+  const RegistrationConfig& config_;
+  const RegistrationCloud::Parts& a_;
+  const RegistrationCloud::Parts& b_;
+  Matching matching_;
+  Ending ending_;
+  std::vector<int> hints_;
+  double lever_m_ = 0.0;
+};
+
+}  // namespace
+
+const char* verdictName(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kConverged:
+      return "converged";
+    case Verdict::kDegenerate:
+      return "degenerate";
+    case Verdict::kDiverged:
+      break;
+  }
+  return "diverged";
+}
+
+SurfaceRegistrar::SurfaceRegistrar(const RegistrationConfig& config) : config_(config) {
+  std::string violations;
+  for (const std::string& one : config.validate()) {
+    violations += (violations.empty() ? "" : "; ") + one;
+  }
+  if (!violations.empty()) throw std::invalid_argument(violations);
+}
+
+RegistrationResult SurfaceRegistrar::align(const RegistrationCloud& a, const RegistrationCloud& b,
+                                           const Eigen::Isometry3d& T_a_b_guess) const {
+  if (!T_a_b_guess.matrix().allFinite()) {
+    RegistrationResult result;
+    result.reason = "the guess is not finite";
+    return result;
+  }
+  Descent descent(config_, a, b, T_a_b_guess);
+  if (config_.solver == "annealed") {
+    descent.anneal();
+    descent.polish();
+  } else {
+    descent.plain();
+  }
+  return descent.result(a, b);
+}
+
+}  // namespace ladar_perception
