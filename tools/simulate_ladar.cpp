@@ -12,6 +12,7 @@
 #include <iostream>
 #include <string>
 
+#include "ladar_perception/sim/drifting_odometry.h"
 #include "ladar_perception/sim/scan_cloud.h"
 #include "ladar_perception/sim/sensors.h"
 #include "ladar_perception/sim/world.h"
@@ -22,6 +23,7 @@ namespace {
 
 using ladar_perception::Progress;
 using ladar_perception::ScanBagWriter;
+using ladar_perception::sim::DriftingOdometry;
 using ladar_perception::sim::Ladar;
 using ladar_perception::sim::LadarConfig;
 using ladar_perception::sim::ScanSummary;
@@ -40,8 +42,14 @@ struct Options {
   std::string sensor = "xuv";
   double sensor_height_m = 0.0;  // 0: the sensor's own
   std::string look;              // empty: where the sensor looks by itself
+  double drift_percent = 0.0;
+  double drift_deg = 0.0;
   std::string out;
 };
+
+bool drifts(const Options& options) {
+  return options.drift_percent != 0.0 || options.drift_deg != 0.0;
+}
 
 ros::Time stampAt(double time_s) {
   // Rounded to nanoseconds once, so that equal times give equal stamps.
@@ -54,15 +62,23 @@ ros::Time stampAt(double time_s) {
 /// Writes poses at a fixed rate, in step with the scans.
 class PoseRecorder {
  public:
-  PoseRecorder(const VehiclePath& path, const Ladar& ladar, ScanBagWriter* bag)
-      : path_(path), ladar_(ladar), bag_(bag) {}
+  PoseRecorder(const VehiclePath& path, const Ladar& ladar, const Options& options,
+               ScanBagWriter* bag)
+      : path_(path),
+        ladar_(ladar),
+        odometry_(options.drift_percent, options.drift_deg),
+        has_drift_(drifts(options)),
+        bag_(bag) {}
 
   /// Writes all poses not yet written up to `time_s`. The first lies before time 0, because
   /// transforms can be interpolated only between two samples.
   void writeUntil(double time_s) {
     for (; static_cast<double>(next_) / kPoseRateHz <= time_s + 1e-9; ++next_) {
       const double t = static_cast<double>(next_) / kPoseRateHz;
-      bag_->writeTransform(stampAt(t), "odom", "base_link", path_.T_odom_base(t));
+      const Eigen::Isometry3d T_truth_base = path_.T_odom_base(t);
+      bag_->writeTransform(stampAt(t), "odom", "base_link",
+                           has_drift_ ? odometry_.next(T_truth_base) : T_truth_base);
+      if (has_drift_) bag_->writePose(stampAt(t), "/ground_truth", "truth", T_truth_base);
       bag_->writeTransform(stampAt(t), "base_link", "ladar", ladar_.T_base_ladar(t));
     }
   }
@@ -70,6 +86,8 @@ class PoseRecorder {
  private:
   const VehiclePath& path_;
   const Ladar& ladar_;
+  DriftingOdometry odometry_;
+  bool has_drift_;
   ScanBagWriter* bag_;
   int64_t next_ = -1;
 };
@@ -110,7 +128,7 @@ void simulate(const Options& options) {
   const VehiclePath path(world.circuit, world.scene.ground(), options.speed_m_s);
   const Ladar ladar(config, world.scene, path, options.seed);
   const auto layout = ladar_perception::sim::scanLayout(config);
-  PoseRecorder poses(path, ladar, &bag);
+  PoseRecorder poses(path, ladar, options, &bag);
   ScanSummary summary;
   Progress progress("scans", scans);
   for (uint64_t i = 0; i < scans; ++i) {
@@ -175,6 +193,19 @@ void addOptions(CLI::App* app, Options* options) {
                   "Number that names the scene and the noise; the same arguments give the same "
                   "bytes")
       ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app->add_option(
+         "--odometry-scale-error", options->drift_percent,
+         "Percent by which odometry measures too far, -50 to 50; the true poses are then on "
+         "/ground_truth")
+      ->check(CLI::Range(-50.0, 50.0))
+      ->check(finite)
+      ->capture_default_str();
+  app->add_option("--odometry-heading-drift", options->drift_deg,
+                  "Degrees per 100 m by which odometry turns to the left, -90 to 90; true poses as "
+                  "before")
+      ->check(CLI::Range(-90.0, 90.0))
+      ->check(finite)
       ->capture_default_str();
   app->add_option("--out", options->out, "Bag to write; replaced if it exists")
       ->required()

@@ -205,7 +205,7 @@ TEST(SlamDelayedState, CountsWhyRegistrationsAreRefused) {
   const auto diverged = countsWith([](auto* o) { o->verdict = RegistrationVerdict::kDiverged; });
   EXPECT_EQ(diverged.tried, 39u);
   EXPECT_EQ(diverged.diverged, 39u);
-  EXPECT_EQ(countsWith([](auto* o) { o->overlap = 0.39; }).low_overlap, 39u);
+  EXPECT_EQ(countsWith([](auto* o) { o->overlap = 0.29; }).low_overlap, 39u);
   EXPECT_EQ(countsWith([](auto* o) { o->covariance(0, 0) = NAN; }).diverged, 39u);
   EXPECT_EQ(countsWith([](auto* o) { o->T_from_to.translation().z() += 2.0; }).inconsistent, 39u);
   const auto degenerate = countsWith([](auto* o) {
