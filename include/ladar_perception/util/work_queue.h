@@ -79,6 +79,10 @@ class WorkQueue {
     }
   }
 
+  bool stopped() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return stopped_;
+  }
   std::size_t size() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return items_.size();
