@@ -68,6 +68,15 @@ Field& CloudLayout::append(const std::string& name, ScalarType type) {
   return fields.back();
 }
 
+void CloudLayout::makeWay(const std::string& name) {
+  for (Field& field : fields) {
+    if (field.name != name) continue;
+    std::string free_name = name + "_input";
+    while (find(free_name) != nullptr) free_name += "_input";
+    field.name = free_name;
+  }
+}
+
 std::string layoutError(const CloudView& cloud) {
   const CloudLayout& layout = cloud.layout;
   if (layout.pointCount() == 0) return "";

@@ -22,22 +22,11 @@ void copyBytes(const uint8_t* in, std::size_t size, uint8_t* out) {
   for (; size > 0; --size) *out++ = *in++;
 }
 
-/// A name for a field that makes way for ours, itself not in use yet.
-std::string nameMadeWay(const CloudLayout& layout, const std::string& name) {
-  std::string free_name = name + "_input";
-  while (layout.find(free_name) != nullptr) free_name += "_input";
-  return free_name;
-}
-
 }  // namespace
 
 CloudLayout labeledLayout(const CloudLayout& input) {
   CloudLayout output = input;
-  for (const char* name : kAddedFields) {
-    for (Field& field : output.fields) {
-      if (field.name == name) field.name = nameMadeWay(output, name);
-    }
-  }
+  for (const char* name : kAddedFields) output.makeWay(name);
   output.append("rgb", ScalarType::kFloat32);
   output.append("confidence", ScalarType::kFloat32);
   output.append("label", ScalarType::kUint8);
@@ -77,6 +66,17 @@ void writeLabeledCloud(const CloudView& input, const std::vector<PointLabel>& la
       output->insert(output->end(), buffer.data(), out);
     }
   }
+}
+
+const Field* cameraColorField(const CloudLayout& layout) {
+  const bool labeled = layout.find("label") != nullptr && layout.find("confidence") != nullptr;
+  const auto names = labeled ? std::vector<const char*>{"rgb_input", "rgba"}
+                             : std::vector<const char*>{"rgb", "rgba"};
+  for (const char* name : names) {
+    const Field* field = layout.find(name);
+    if (field != nullptr && scalarSize(field->type) == 4) return field;
+  }
+  return nullptr;
 }
 
 }  // namespace ladar_perception

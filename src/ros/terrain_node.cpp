@@ -27,6 +27,7 @@ TerrainNode::TerrainNode(const ros::NodeHandle& handle, const ros::NodeHandle& p
       tf_listener_(tf_buffer_, handle_),
       processor_(config_, model_, &tf_buffer_),
       statistics_(config_.model, kStatisticsWindow),
+      queue_(static_cast<std::size_t>(config_.queue_size)),
       diagnostics_(handle_, private_handle_, private_handle_.getNamespace()) {
   points_publisher_ = handle_.advertise<sensor_msgs::PointCloud2>("labeled_points", 2);
   map_publisher_ = handle_.advertise<sensor_msgs::PointCloud2>("labeled_map", 1, true);
@@ -49,27 +50,14 @@ TerrainNode::TerrainNode(const ros::NodeHandle& handle, const ros::NodeHandle& p
 TerrainNode::~TerrainNode() {
   subscriber_.shutdown();
   timer_.stop();
-  {
-    const std::lock_guard<std::mutex> lock(queue_mutex_);
-    stopping_ = true;
-  }
-  queue_changed_.notify_all();
+  queue_.stop();
   worker_.join();
 }
 
 void TerrainNode::onScan(const sensor_msgs::PointCloud2ConstPtr& scan) {
-  sensor_msgs::PointCloud2ConstPtr displaced;
-  {
-    const std::lock_guard<std::mutex> lock(queue_mutex_);
-    if (queue_.size() >= static_cast<std::size_t>(config_.queue_size)) {
-      displaced = queue_.front().scan;
-      queue_.pop_front();
-    }
-    queue_.push_back({scan, ros::WallTime::now()});
-  }
-  queue_changed_.notify_one();
+  const auto displaced = queue_.pushOverOldest({scan, ros::WallTime::now()});
   if (displaced) {
-    reportDrop(*displaced, ScanDrop::kQueueFull,
+    reportDrop(*displaced->scan, ScanDrop::kQueueFull,
                "more than queue_size " + std::to_string(config_.queue_size) + " scans waiting");
   }
 }
@@ -98,25 +86,14 @@ void TerrainNode::onTimer(const ros::WallTimerEvent& /*event*/) {
 }
 
 void TerrainNode::work() {
-  Arrival arrival;
-  while (nextArrival(&arrival)) {
+  while (const auto arrival = queue_.pop()) {
     try {
-      processArrival(arrival);
+      processArrival(*arrival);
     } catch (const std::exception& error) {
       // Whatever it was, it concerned one scan; the manager and the other nodelets go on.
-      reportDrop(*arrival.scan, ScanDrop::kError, error.what());
+      reportDrop(*arrival->scan, ScanDrop::kError, error.what());
     }
-    arrival.scan.reset();
   }
-}
-
-bool TerrainNode::nextArrival(Arrival* arrival) {
-  std::unique_lock<std::mutex> lock(queue_mutex_);
-  queue_changed_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
-  if (stopping_) return false;
-  *arrival = queue_.front();
-  queue_.pop_front();
-  return true;
 }
 
 void TerrainNode::processArrival(const Arrival& arrival) {
@@ -126,7 +103,8 @@ void TerrainNode::processArrival(const Arrival& arrival) {
       processor_.process(scan, [this, &lock](const std::function<bool()>& ready) {
         // ~reset must not wait for tf: it would hold a thread of the manager up.
         lock.unlock();
-        const bool all_there = waitForTransforms(ready);
+        const bool all_there =
+            queue_.pollUntil(ready, std::chrono::duration<double>(config_.tf_timeout_s));
         lock.lock();
         return all_there;
       });
@@ -147,19 +125,6 @@ void TerrainNode::processArrival(const Arrival& arrival) {
     statistics_.addScan(scan, processor_.pipeline().report(), millisecondsSince(arrival.time));
   }
   publishMap(scan, outcome.p_map_vehicle);
-}
-
-bool TerrainNode::waitForTransforms(const std::function<bool()>& ready) {
-  // By the wall clock: simulated time may stand still.
-  const ros::WallTime deadline = ros::WallTime::now() + ros::WallDuration(config_.tf_timeout_s);
-  while (true) {
-    if (ready()) return true;
-    if (ros::WallTime::now() >= deadline) return false;
-    std::unique_lock<std::mutex> lock(queue_mutex_);
-    if (queue_changed_.wait_for(lock, std::chrono::milliseconds(2), [this] { return stopping_; })) {
-      return false;
-    }
-  }
 }
 
 void TerrainNode::reportDrop(const sensor_msgs::PointCloud2& scan, ScanDrop reason,

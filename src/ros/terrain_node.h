@@ -8,12 +8,11 @@
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
-#include <condition_variable>
-#include <deque>
 #include <memory>
 #include <mutex>
 #include <thread>
 
+#include "ladar_perception/util/work_queue.h"
 #include "terrain_processor.h"
 #include "terrain_statistics.h"
 
@@ -40,9 +39,7 @@ class TerrainNode {
   bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   void onTimer(const ros::WallTimerEvent& event);
   void work();
-  bool nextArrival(Arrival* arrival);
   void processArrival(const Arrival& arrival);
-  bool waitForTransforms(const std::function<bool()>& ready);
   void reportDrop(const sensor_msgs::PointCloud2& scan, ScanDrop reason, const std::string& detail);
   void publishScan(const sensor_msgs::PointCloud2& scan);
   void publishMap(const sensor_msgs::PointCloud2& scan, const Eigen::Vector3d& p_map_vehicle);
@@ -64,10 +61,7 @@ class TerrainNode {
   uint64_t diagnosed_scans_ = 0;
   uint64_t diagnosed_drops_ = 0;
 
-  std::mutex queue_mutex_;  // guards queue_ and stopping_
-  std::condition_variable queue_changed_;
-  std::deque<Arrival> queue_;
-  bool stopping_ = false;
+  WorkQueue<Arrival> queue_;
 
   ros::Publisher points_publisher_;
   ros::Publisher map_publisher_;

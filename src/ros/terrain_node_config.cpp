@@ -4,38 +4,9 @@
 #include <stdexcept>
 
 #include "package_path.h"
+#include "param_reader.h"
 
 namespace ladar_perception {
-namespace {
-
-ParamValue fromXmlRpc(XmlRpc::XmlRpcValue& value) {
-  switch (value.getType()) {
-    case XmlRpc::XmlRpcValue::TypeBoolean:
-      return static_cast<bool>(value);
-    case XmlRpc::XmlRpcValue::TypeInt:
-      return static_cast<int>(value);
-    case XmlRpc::XmlRpcValue::TypeDouble:
-      return static_cast<double>(value);
-    case XmlRpc::XmlRpcValue::TypeString:
-      return static_cast<std::string>(value);
-    case XmlRpc::XmlRpcValue::TypeArray:
-      return UnsupportedValue{"a list"};
-    case XmlRpc::XmlRpcValue::TypeStruct:
-      return UnsupportedValue{"a map"};
-    default:
-      return UnsupportedValue{"a value of another kind"};
-  }
-}
-
-void checkFrame(const std::string& name, const std::string& frame, bool may_be_empty,
-                std::vector<std::string>* violations) {
-  if (frame.empty() && !may_be_empty) violations->push_back(name + ": must not be empty");
-  if (!frame.empty() && frame[0] == '/') {
-    violations->push_back(name + ": '" + frame + "' starts with a slash, which tf2 has no use for");
-  }
-}
-
-}  // namespace
 
 ParamTable TerrainNodeConfig::table() {
   ParamTable table;
@@ -66,11 +37,8 @@ TerrainNodeConfig readTerrainNodeConfig(const ParamMap& values, const std::strin
   checkFrame("map_frame", config.map_frame, false, &violations);
   checkFrame("vehicle_frame", config.vehicle_frame, true, &violations);
   if (config.model.empty()) violations.emplace_back("model: must not be empty");
-  if (violations.empty()) return config;
-  std::string report = source + ": " + std::to_string(violations.size()) + " bad parameter" +
-                       (violations.size() == 1 ? "" : "s");
-  for (const std::string& violation : violations) report += "\n  - " + violation;
-  throw std::runtime_error(report);
+  refuse(violations, source);
+  return config;
 }
 
 TerrainNodeConfig readTerrainNodeConfigFile(const std::string& path) {
@@ -78,16 +46,7 @@ TerrainNodeConfig readTerrainNodeConfigFile(const std::string& path) {
 }
 
 TerrainNodeConfig readTerrainNodeConfig(const ros::NodeHandle& private_handle) {
-  ParamMap values;
-  XmlRpc::XmlRpcValue tree;
-  if (private_handle.getParam(private_handle.getNamespace(), tree) &&
-      tree.getType() == XmlRpc::XmlRpcValue::TypeStruct) {
-    for (auto& entry : tree) {
-      // diagnostic_updater reads its own parameter from the same namespace.
-      if (entry.first != "diagnostic_period") values[entry.first] = fromXmlRpc(entry.second);
-    }
-  }
-  return readTerrainNodeConfig(values, "parameters in " + private_handle.getNamespace());
+  return readTerrainNodeConfig(paramsOf(private_handle), sourceName(private_handle));
 }
 
 ClassifierModel loadFittingModel(const TerrainNodeConfig& config) {

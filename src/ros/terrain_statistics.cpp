@@ -44,9 +44,7 @@ void TerrainStatisticsLog::addScan(const sensor_msgs::PointCloud2& scan, const S
 }
 
 void TerrainStatisticsLog::addDrop(const sensor_msgs::PointCloud2& scan, ScanDrop reason) {
-  // A header can claim any size; what did not come cannot have been lost.
-  const uint64_t room = scan.point_step > 0 ? scan.data.size() / scan.point_step : 0;
-  const uint64_t points = std::min(uint64_t{scan.width} * scan.height, room);
+  const uint64_t points = pointsReceived(scan);
   ++scans_dropped_[static_cast<int>(reason)];
   scan_points_dropped_[static_cast<int>(reason)] += points;
   points_in_ += points;

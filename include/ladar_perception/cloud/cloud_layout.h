@@ -52,6 +52,9 @@ struct CloudLayout {
   /// Appends a field at the next offset aligned to its own size and enlarges point_step.
   /// Does not touch row_step: call `pack()` when all fields are in.
   Field& append(const std::string& name, ScalarType type);
+  /// Renames fields of that name to `<name>_input` (and once more while that is taken), so that one
+  /// of ours can be appended under it.
+  void makeWay(const std::string& name);
   /// Sets the row step of a cloud without padding between rows.
   void pack() { row_step = width * point_step; }
 };

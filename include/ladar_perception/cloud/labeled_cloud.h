@@ -26,4 +26,8 @@ CloudLayout labeledLayout(const CloudLayout& input);
 void writeLabeledCloud(const CloudView& input, const std::vector<PointLabel>& labels,
                        const CloudLayout& output_layout, std::vector<uint8_t>* output);
 
+/// The field with the camera's colours, 4 bytes each, or nullptr: `rgb` or `rgba`, but `rgb_input`
+/// of a labelled cloud (one with label and confidence), whose `rgb` tells the class.
+const Field* cameraColorField(const CloudLayout& layout);
+
 }  // namespace ladar_perception

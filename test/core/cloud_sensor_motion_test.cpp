@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "ladar_perception/terrain/sensor_motion.h"
+#include "ladar_perception/cloud/sensor_motion.h"
 
 namespace ladar_perception {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ladar_perception/terrain/sensor_motion.h"
+#include "ladar_perception/cloud/sensor_motion.h"
 
 #include <algorithm>
 #include <cassert>
