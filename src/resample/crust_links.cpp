@@ -17,6 +17,18 @@ namespace {
 constexpr float kSameNormal = 0.7F;
 constexpr float kPlaneOffset = 0.7F;
 
+/// Steps in a block to the 27 cells around one, itself included, x fastest.
+constexpr std::array<int, 27> stepsInBlock() {
+  std::array<int, 27> steps{};
+  for (int n = 0; n < 27; ++n) {
+    steps[static_cast<std::size_t>(n)] =
+        SparseGrid::blockIndex(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1) -
+        SparseGrid::blockIndex(0, 0, 0);
+  }
+  return steps;
+}
+constexpr std::array<int, 27> kSteps = stepsInBlock();
+
 struct Place {
   uint64_t key;  // of level 0
   uint32_t level;
@@ -56,108 +68,107 @@ class Linker {
     }
   }
 
-  /// Links every cell finds on its own: those of its size, and larger ones.
   void run(ThreadPool* pool) {
-    found_.resize(crust_->size());
+    // Runs of bricks give runs of links, whoever works on them.
+    constexpr std::size_t kRun = 512;
     for (std::size_t level = 0; level < grids_.size(); ++level) {
-      parallelFor(pool, grids_[level].bricks().size(), 256,
-                  [&](std::size_t begin, std::size_t end) {
-                    SparseGrid::Block block;
-                    for (std::size_t brick = begin; brick < end; ++brick) {
-                      linkBrick(level, brick, &block);
-                    }
-                  });
+      const std::size_t bricks = grids_[level].bricks().size();
+      const std::size_t first = runs_.size();
+      runs_.resize(first + (bricks + kRun - 1) / kRun);
+      parallelFor(pool, runs_.size() - first, 1, [&](std::size_t begin, std::size_t end) {
+        SparseGrid::Block block;
+        for (std::size_t run = begin; run < end; ++run) {
+          std::vector<Link>* links = &runs_[first + run];
+          for (std::size_t brick = run * kRun; brick < std::min((run + 1) * kRun, bricks);
+               ++brick) {
+            linkBrick(level, brick, &block, links);
+          }
+        }
+      });
     }
     writeNeighbors();
   }
 
  private:
-  struct Found {
-    uint32_t count = 0;
-    std::array<uint32_t, 26> cells;
+  struct Link {
+    uint32_t a;
+    uint32_t b;
   };
 
-  void linkBrick(std::size_t level, std::size_t brick, SparseGrid::Block* block) {
+  /// Links to cells of this size that come later, and to larger ones.
+  void linkBrick(std::size_t level, std::size_t brick, SparseGrid::Block* block,
+                 std::vector<Link>* links) const {
     const SparseGrid& grid = grids_[level];
     grid.gather(brick, block);
     const uint32_t end = grid.brickEnd(brick);
     for (uint32_t i = grid.bricks()[brick].first; i < end; ++i) {
-      const uint64_t key = grid.keys()[i];
-      const int x = static_cast<int>(morton::x(key & 63));
-      const int y = static_cast<int>(morton::y(key & 63));
-      const int z = static_cast<int>(morton::z(key & 63));
+      const uint64_t bit = grid.keys()[i] & 63;
+      const int middle =
+          SparseGrid::blockIndex(static_cast<int>(morton::x(bit)), static_cast<int>(morton::y(bit)),
+                                 static_cast<int>(morton::z(bit)));
       const uint32_t cell = numbers_[level][i];
-      for (int dz = -1; dz <= 1; ++dz) {
-        for (int dy = -1; dy <= 1; ++dy) {
-          for (int dx = -1; dx <= 1; ++dx) {
-            const auto place =
-                static_cast<std::size_t>(SparseGrid::blockIndex(x + dx, y + dy, z + dz));
-            const uint32_t other = (*block)[place];
-            if (other == i) continue;
-            if (other != kNoIndex) {
-              link(cell, numbers_[level][other]);
-            } else if (level + 1 < grids_.size()) {
-              linkAbove(cell, level, key, dx, dy, dz);
-            }
-          }
+      const std::size_t first_link = links->size();
+      for (std::size_t step = 0; step < kSteps.size(); ++step) {
+        const uint32_t other = (*block)[static_cast<std::size_t>(middle + kSteps[step])];
+        if (other == kNoIndex) {
+          if (level + 1 < grids_.size()) linkAbove(cell, level, i, step, first_link, links);
+        } else if (other > i) {
+          link(cell, numbers_[level][other], links);
         }
       }
     }
   }
 
-  void linkAbove(uint32_t cell, std::size_t level, uint64_t key, int dx, int dy, int dz) {
-    key = morton::step(key, morton::kAxisX, dx);
-    key = morton::step(key, morton::kAxisY, dy);
-    key = morton::step(key, morton::kAxisZ, dz);
+  void linkAbove(uint32_t cell, std::size_t level, uint32_t index, std::size_t step,
+                 std::size_t first_link, std::vector<Link>* links) const {
+    const auto n = static_cast<int>(step);
+    uint64_t key = grids_[level].keys()[index];
+    key = morton::step(key, morton::kAxisX, n % 3 - 1);
+    key = morton::step(key, morton::kAxisY, n / 3 % 3 - 1);
+    key = morton::step(key, morton::kAxisZ, n / 9 - 1);
     for (std::size_t above = level + 1; above < grids_.size(); ++above) {
       key >>= 3;
       const uint32_t other = grids_[above].find(key);
       if (other == kNoIndex) continue;
       const uint32_t number = numbers_[above][other];
-      const Found& found = found_[cell];
-      if (std::find(found.cells.begin(), found.cells.begin() + found.count, number) ==
-          found.cells.begin() + found.count) {
-        link(cell, number);
+      const auto begin = links->begin() + static_cast<std::ptrdiff_t>(first_link);
+      if (std::none_of(begin, links->end(), [&](const Link& l) { return l.b == number; })) {
+        link(cell, number, links);
       }
       return;
     }
   }
 
-  void link(uint32_t a, uint32_t b) {
+  void link(uint32_t a, uint32_t b, std::vector<Link>* links) const {
     const Eigen::Vector3f d = crust_->positions[b] - crust_->positions[a];
     const Eigen::Vector3f& na = crust_->normals[a];
     const Eigen::Vector3f& nb = crust_->normals[b];
     const float cosine = na.dot(nb);
-    const float reach = kPlaneOffset * std::max(crust_->edge(a), crust_->edge(b));
     if (cosine < -kSameNormal) return;  // the two sides of a thin wall
-    if (cosine > kSameNormal && std::abs(na.dot(d)) > reach && std::abs(nb.dot(d)) > reach) return;
-    Found& found = found_[a];
-    found.cells[found.count++] = b;
+    if (cosine > kSameNormal) {
+      const float reach = kPlaneOffset * std::max(crust_->edge(a), crust_->edge(b));
+      if (std::abs(na.dot(d)) > reach && std::abs(nb.dot(d)) > reach) return;
+    }
+    links->push_back({a, b});
   }
 
-  /// Neighbours of every cell: what it found, then smaller cells that found it.
+  /// Every link is one of both cells.
   void writeNeighbors() {
     std::vector<uint32_t>& first = crust_->first_neighbor;
-    const std::size_t size = crust_->size();
-    const bool mixed = grids_.size() > 1;
-    first.assign(size + 1, 0);
-    for (std::size_t i = 0; i < size; ++i) {
-      first[i + 1] += found_[i].count;
-      for (uint32_t k = 0; mixed && k < found_[i].count; ++k) {
-        const uint32_t other = found_[i].cells[k];
-        if (crust_->levels[other] > crust_->levels[i]) ++first[other + 1];
+    first.assign(crust_->size() + 1, 0);
+    for (const std::vector<Link>& links : runs_) {
+      for (const Link& link : links) {
+        ++first[link.a + 1];
+        ++first[link.b + 1];
       }
     }
     std::partial_sum(first.begin(), first.end(), first.begin());
-    crust_->neighbors.resize(first[size]);
+    crust_->neighbors.resize(first.back());
     std::vector<uint32_t> next(first.begin(), first.end() - 1);
-    for (std::size_t i = 0; i < size; ++i) {
-      for (uint32_t k = 0; k < found_[i].count; ++k) {
-        const uint32_t other = found_[i].cells[k];
-        crust_->neighbors[next[i]++] = other;
-        if (crust_->levels[other] > crust_->levels[i]) {
-          crust_->neighbors[next[other]++] = static_cast<uint32_t>(i);
-        }
+    for (const std::vector<Link>& links : runs_) {
+      for (const Link& link : links) {
+        crust_->neighbors[next[link.a]++] = link.b;
+        crust_->neighbors[next[link.b]++] = link.a;
       }
     }
   }
@@ -165,7 +176,7 @@ class Linker {
   Crust* crust_;
   std::vector<SparseGrid> grids_;
   std::vector<std::vector<uint32_t>> numbers_;  // in the crust, by level
-  std::vector<Found> found_;
+  std::vector<std::vector<Link>> runs_;
 };
 
 }  // namespace

@@ -14,8 +14,10 @@
 namespace ladar_perception {
 namespace {
 
-// Rounds fall by this: with more, samples of one round would be put in out of their order.
-constexpr float kRadiusStep = 0.9F;
+// The radius falls by this from round to round; the last ones, by a smaller step, decide on places.
+constexpr float kFirstStep = 0.8F;
+constexpr float kLastStep = 0.9F;
+constexpr float kLastRounds = 0.45F;  // of the first radius
 // Vertices lie up to half a cell from the cells around them, whose times are less by as much.
 constexpr float kVertexSlack = 0.6F;
 // No count is reached by going on below this radius: there are no more cells.
@@ -65,15 +67,22 @@ class Chooser {
         goal_(goal),
         pool_(pool),
         tiles_(field->crust->keys, tileLevel(*field->crust, goal.first_radius)),
+        bounds_(field->crust->size(), std::numeric_limits<float>::infinity()),
         chosen_(tiles_.size()),
         fronts_(static_cast<std::size_t>(pool->size()), Fronts<Metric>(field)) {}
 
-  SampleSet run() {
+  SampleSet run(const SampleSet& before) {
+    field_->reset(goal_.first_radius);
+    set_ = before;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      fronts_[0].insert(before.cells[i], before.positions[i]);
+    }
     start();
     orderStart();
     float radius = goal_.first_radius;
     while (!done(radius)) {
-      radius = std::max(radius * kRadiusStep, goal_.radius);
+      const bool first = radius * kFirstStep > kLastRounds * goal_.first_radius;
+      radius = std::max(radius * (first ? kFirstStep : kLastStep), goal_.radius);
       fillRound(radius);
     }
     set_.radius_reached = std::max(latest(), left_out_);
@@ -89,7 +98,6 @@ class Chooser {
   }
 
   void start() {
-    field_->reset(goal_.first_radius);
     tiles_.run(pool_, [this](int thread, std::size_t i) {
       const Tiles::Tile& tile = tiles_.tile(i);
       Scramble order(tile.end - tile.first);
@@ -113,15 +121,15 @@ class Chooser {
     for (const uint32_t cell : cells) places.push_back(placeOf(cell));
     std::vector<WeightedPlace> witnesses;
     for (uint32_t cell = 0; cell < field_->crust->size(); ++cell) {
-      if (field_->arrivals[cell].time > 0.5F * goal_.first_radius && isLatest(*field_, cell)) {
+      if (field_->arrivals[cell].time > 0.75F * goal_.first_radius && isLatest(*field_, cell)) {
         witnesses.push_back({field_->crust->positions[cell], field_->crust->slowness[cell]});
       }
     }
     const PlaceOrder order = orderFarthestFirst(places, witnesses);
     std::size_t size = order.order.size();
-    if (goal_.count > 0 && size > goal_.count) {
-      size = goal_.count;
-      left_out_ = order.covering[size - 1];
+    if (goal_.count > 0 && set_.size() + size > goal_.count) {
+      size = goal_.count - std::min(goal_.count, set_.size());
+      left_out_ = size > 0 ? order.covering[size - 1] : goal_.first_radius;
     }
     for (std::size_t i = 0; i < size; ++i) {
       const uint32_t cell = cells[order.order[i]];
@@ -163,33 +171,19 @@ class Chooser {
   }
 
   void fillTile(float radius, Fronts<Metric>* fronts, std::size_t i) {
-    struct Candidate {
-      uint32_t cell;
-      VoronoiVertex vertex;
-    };
-    std::vector<Candidate> candidates;
     const Tiles::Tile& tile = tiles_.tile(i);
-    do {
-      candidates.clear();
-      for (uint32_t cell = tile.first; cell < tile.end; ++cell) {
-        const float slack = kVertexSlack * field_->crust->edge(cell) * field_->nodes[cell].slowness;
-        const FrontField::Arrival& arrival = field_->arrivals[cell];
-        if (arrival.time + slack < radius || arrival.owner == cell) continue;
-        if (!isLatest(*field_, cell)) continue;
-        const VoronoiVertex vertex = findVertex(*field_, cell);
-        if (vertex.time >= radius) candidates.push_back({cell, vertex});
-      }
-      std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-        return a.vertex.time != b.vertex.time ? a.vertex.time > b.vertex.time : a.cell < b.cell;
-      });
-      for (Candidate& candidate : candidates) {
-        // Fronts of this round may have come by.
-        candidate.vertex = findVertex(*field_, candidate.cell);
-        if (candidate.vertex.time < radius) continue;
-        fronts->insert(candidate.cell, candidate.vertex.position);
-        chosen_[i].push_back({candidate.cell, candidate.vertex.time});
-      }
-    } while (!candidates.empty());
+    for (uint32_t cell = tile.first; cell < tile.end; ++cell) {
+      const float slack = kVertexSlack * field_->crust->edge(cell) * field_->nodes[cell].slowness;
+      const FrontField::Arrival& arrival = field_->arrivals[cell];
+      if (arrival.time + slack < radius || bounds_[cell] < radius || arrival.owner == cell)
+        continue;
+      if (!isLatest(*field_, cell)) continue;
+      const VoronoiVertex vertex = findVertex(*field_, cell);
+      bounds_[cell] = vertex.time;
+      if (vertex.time < radius) continue;
+      fronts->insert(cell, vertex.position);
+      chosen_[i].push_back({cell, vertex.time});
+    }
   }
 
   float latest() const {
@@ -202,6 +196,7 @@ class Chooser {
   FarthestPointsGoal goal_;
   ThreadPool* pool_;
   Tiles tiles_;
+  std::vector<float> bounds_;  // of the time of the vertex near a cell: it can only fall
   std::vector<std::vector<Choice>> chosen_;  // by tile, in this round
   std::vector<Fronts<Metric>> fronts_;       // by thread
   SampleSet set_;
@@ -211,14 +206,15 @@ class Chooser {
 }  // namespace
 
 template <typename Metric>
-SampleSet chooseFarthestPoints(FrontField* field, const FarthestPointsGoal& goal,
-                               ThreadPool* pool) {
+SampleSet chooseFarthestPoints(FrontField* field, const FarthestPointsGoal& goal, ThreadPool* pool,
+                               const SampleSet& before) {
   if (field->crust->size() == 0) return {};
-  return Chooser<Metric>(field, goal, pool).run();
+  return Chooser<Metric>(field, goal, pool).run(before);
 }
 
-template SampleSet chooseFarthestPoints<Flood>(FrontField*, const FarthestPointsGoal&, ThreadPool*);
+template SampleSet chooseFarthestPoints<Flood>(FrontField*, const FarthestPointsGoal&, ThreadPool*,
+                                               const SampleSet&);
 template SampleSet chooseFarthestPoints<FastMarching>(FrontField*, const FarthestPointsGoal&,
-                                                      ThreadPool*);
+                                                      ThreadPool*, const SampleSet&);
 
 }  // namespace ladar_perception

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ladar_perception/resample/fronts.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -28,8 +29,9 @@ float straight(const FrontField::Node& node, const FrontSource& source, Eigen::V
   return d->norm() * 0.5F * (node.slowness + source.slowness);
 }
 
-/// Distance from the virtual source of a front that has gone r_a and r_b to two places `ab` apart, to
-/// a third that lies ac and bc from them; kNever if the front does not come through between them.
+/// Distance from the virtual source of a front that has gone r_a and r_b to two places `ab` apart,
+/// to a third that lies ac and bc from them; kNever if the front does not come through between
+/// them.
 float throughTwo(float r_a, float r_b, float ab, float ac, float bc) {
   const float by_ab = 0.5F / ab;
   const float source_x = (r_a * r_a + ab * ab - r_b * r_b) * by_ab;
@@ -67,8 +69,7 @@ class EikonalUpdate {
       const uint32_t other = crust.neighbors[k];
       if (other == from_ || field_.arrivals[other].owner != owner_) continue;
       const FrontField::Node& side = field_.nodes[other];
-      const float slowness =
-          0.5F * here.slowness + 0.25F * (before.slowness + side.slowness);
+      const float slowness = 0.5F * here.slowness + 0.25F * (before.slowness + side.slowness);
       const Eigen::Vector3f p_side = side.position();
       const float distance =
           throughTwo(time_from / slowness, field_.arrivals[other].time / slowness,
@@ -143,11 +144,11 @@ float FastMarching::arrive(const FrontField& field, const FrontSource& source, u
   const bool flat = source.normal.dot(crust.normals[cell]) > kFlatCosine &&
                     (rise < 0.0F || rise * rise < kFlatRise * kFlatRise * length2) &&
                     std::abs(node.slowness - source.slowness) < kEvenSlowness * source.slowness;
-  *in_sight = flat && (length2 < kBox * kBox * edge * edge || seesPast(field, source, cell, d));
-  if (*in_sight) return time;
-  // No way is shorter than the straight one: what cannot be earlier need not be solved for.
+  // On flat ground no way is shorter than the straight one: what cannot be earlier is not solved
+  // for.
   if (flat && time >= field.arrivals[cell].time) return time;
-  return EikonalUpdate(field, source.cell, from, cell).solve();
+  *in_sight = flat && (length2 < kBox * kBox * edge * edge || seesPast(field, source, cell, d));
+  return *in_sight ? time : EikonalUpdate(field, source.cell, from, cell).solve();
 }
 
 template <typename Metric>
@@ -174,8 +175,7 @@ void Fronts<Metric>::insert(uint32_t cell, const Eigen::Vector3f& position) {
     for (uint32_t k = crust.first_neighbor[from]; k < end; ++k) {
       const uint32_t to = crust.neighbors[k];
       const FrontField::Arrival& known = field_->arrivals[to];
-      if (known.owner == cell &&
-          (Metric::kOneVisit || known.time <= field_->arrivals[from].time)) {
+      if (known.owner == cell && (Metric::kOneVisit || known.time <= field_->arrivals[from].time)) {
         continue;
       }
       bool in_sight = false;

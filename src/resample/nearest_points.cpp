@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ladar_perception/resample/nearest_points.h"
 
+#include <array>
 #include <limits>
 
 #include "ladar_perception/resample/morton.h"
@@ -24,20 +25,50 @@ struct Nearest {
   }
 };
 
+/// Squared distances, along one axis, to the voxels one step down, none and one step up.
+std::array<float, 3> gaps2(float in_voxel, float edge) {
+  const float down = in_voxel * edge;
+  const float up = (1.0F - in_voxel) * edge;
+  return {down * down, 0.0F, up * up};
+}
+
+/// Own voxel first: it is likely to make the others needless.
+constexpr std::array<int, 3> kInOrder = {0, -1, 1};
+
+Nearest nearestInLevel(const GridPoints& points, const VoxelLevel& voxels, int level, uint64_t own,
+                       const Eigen::Vector3f& place) {
+  const auto edge = static_cast<float>(1 << level);
+  const Eigen::Vector3f in_voxel =
+      (place - cubeCenter(own, level)) / edge + Eigen::Vector3f::Constant(0.5F);
+  const std::array<float, 3> gap_x = gaps2(in_voxel.x(), edge);
+  const std::array<float, 3> gap_y = gaps2(in_voxel.y(), edge);
+  const std::array<float, 3> gap_z = gaps2(in_voxel.z(), edge);
+  Nearest nearest;
+  for (const int dz : kInOrder) {
+    const float to_z = gap_z[static_cast<std::size_t>(1 + dz)];
+    if (to_z > nearest.distance2) continue;
+    const uint64_t key_z = morton::step(own, morton::kAxisZ, dz);
+    for (const int dy : kInOrder) {
+      const float to_y = to_z + gap_y[static_cast<std::size_t>(1 + dy)];
+      if (to_y > nearest.distance2) continue;
+      const uint64_t key_y = morton::step(key_z, morton::kAxisY, dy);
+      for (const int dx : kInOrder) {
+        if (to_y + gap_x[static_cast<std::size_t>(1 + dx)] > nearest.distance2) continue;
+        const uint32_t voxel = voxels.grid.find(morton::step(key_y, morton::kAxisX, dx));
+        if (voxel == kNoIndex) continue;
+        nearest.look(points, voxels.first_point[voxel], voxels.first_point[voxel + 1], place);
+      }
+    }
+  }
+  return nearest;
+}
+
 uint32_t nearestPoint(const GridPoints& points, const VoxelPyramid& pyramid,
                       const Eigen::Vector3f& place) {
   const uint64_t cell = cellKey(place);
   for (int level = 0; level < pyramid.levels(); ++level) {
-    const VoxelLevel& voxels = pyramid.level(level);
-    Nearest nearest;
-    for (int step = 0; step < 27; ++step) {
-      uint64_t key = morton::step(cell >> 3 * level, morton::kAxisX, step % 3 - 1);
-      key = morton::step(key, morton::kAxisY, step / 3 % 3 - 1);
-      key = morton::step(key, morton::kAxisZ, step / 9 - 1);
-      const uint32_t voxel = voxels.grid.find(key);
-      if (voxel == kNoIndex) continue;
-      nearest.look(points, voxels.first_point[voxel], voxels.first_point[voxel + 1], place);
-    }
+    const Nearest nearest =
+        nearestInLevel(points, pyramid.level(level), level, cell >> 3 * level, place);
     // Whatever is outside the 27 voxels is farther than one of their edges.
     const auto edge = static_cast<float>(1 << level);
     if (nearest.distance2 <= edge * edge) return nearest.point;

@@ -8,7 +8,8 @@ void ResampleConfig::addTo(ParamTable* table) {
              "arrival times by fast_marching, along the surface, or flood, straight, a bit faster");
   table->add("crust", &crust,
              "surfels, one cell deep and fast, or ellipsoids around every point, as in the paper");
-  table->add("count", &count, 0, 100000000, "samples", "stop at exactly this many; 0: no such stop");
+  table->add("count", &count, 0, 100000000, "samples",
+             "stop at exactly this many; 0: no such stop");
   table->add("radius_m", &radius_m, 0.0, 100.0, "m",
              "stop when no place of the surface is farther from a sample; 0: no such stop");
   table->add("time_budget_s", &time_budget_s, 0.0, 3600.0, "s",

@@ -20,20 +20,24 @@ class Buckets {
     for (auto& axis : axes_) axis.assign(padded, 0.0F);
     slowness_.assign(padded, 0.0F);
     distances_.assign(padded, kChosen);
-    boxes_.resize(padded / kBucket);
+    const std::size_t buckets = padded / kBucket;
+    while (leaves_ < buckets) leaves_ *= 2;
+    boxes_.resize(2 * leaves_);
+    tree_.assign(2 * leaves_, kChosen);
     for (std::size_t i = 0; i < size_; ++i) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         axes_[axis][i] = places[i].position[static_cast<int>(axis)];
       }
       slowness_[i] = places[i].slowness;
       distances_[i] = std::numeric_limits<float>::max();
-      boxes_[i / kBucket].include(places[i]);
+      boxes_[leaves_ + i / kBucket].include(places[i]);
     }
-    leaves_ = 1;
-    while (leaves_ < boxes_.size()) leaves_ *= 2;
-    tree_.assign(2 * leaves_, kChosen);
-    for (std::size_t b = 0; b < boxes_.size(); ++b) tree_[leaves_ + b] = distances_[b * kBucket];
-    for (std::size_t node = leaves_ - 1; node > 0; --node) update(node);
+    for (std::size_t b = 0; b < buckets; ++b) tree_[leaves_ + b] = distances_[b * kBucket];
+    for (std::size_t node = leaves_ - 1; node > 0; --node) {
+      boxes_[node] = boxes_[2 * node];
+      boxes_[node].include(boxes_[2 * node + 1]);
+      update(node);
+    }
   }
 
   float greatest() const { return tree_[1]; }
@@ -64,6 +68,11 @@ class Buckets {
       high = high.cwiseMax(place.position);
       slowness = std::min(slowness, place.slowness);
     }
+    void include(const Box& other) {
+      low = low.cwiseMin(other.low);
+      high = high.cwiseMax(other.high);
+      slowness = std::min(slowness, other.slowness);
+    }
     float distanceTo(const WeightedPlace& place) const {
       const Eigen::Vector3f d =
           (low - place.position).cwiseMax(place.position - high).cwiseMax(0.0F);
@@ -81,11 +90,9 @@ class Buckets {
   }
 
   void approach(std::size_t node, const WeightedPlace& chosen) {
-    if (tree_[node] < 0.0F) return;
+    if (tree_[node] < 0.0F || boxes_[node].distanceTo(chosen) >= tree_[node]) return;
     if (node >= leaves_) {
-      const std::size_t bucket = node - leaves_;
-      if (boxes_[bucket].distanceTo(chosen) >= tree_[node]) return;
-      measure(bucket, chosen);
+      measure(node - leaves_, chosen);
       return;
     }
     approach(2 * node, chosen);
@@ -100,8 +107,8 @@ class Buckets {
       const float dx = axes_[0][i] - chosen.position.x();
       const float dy = axes_[1][i] - chosen.position.y();
       const float dz = axes_[2][i] - chosen.position.z();
-      const float distance = std::sqrt(dx * dx + dy * dy + dz * dz) * 0.5F *
-                             (slowness_[i] + chosen.slowness);
+      const float distance =
+          std::sqrt(dx * dx + dy * dy + dz * dz) * 0.5F * (slowness_[i] + chosen.slowness);
       distances_[i] = std::min(distances_[i], distance);
       greatest = std::max(greatest, distances_[i]);
     }
@@ -112,9 +119,9 @@ class Buckets {
   std::array<std::vector<float>, 3> axes_;
   std::vector<float> slowness_;
   std::vector<float> distances_;  // kChosen for chosen places
-  std::vector<Box> boxes_;
   std::size_t leaves_ = 1;
-  std::vector<float> tree_;  // greatest distances, the root at 1
+  std::vector<float> tree_;  // greatest distances, the root at 1, buckets from leaves_ on
+  std::vector<Box> boxes_;   // of the nodes of the tree
 };
 
 }  // namespace

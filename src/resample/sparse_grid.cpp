@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "ladar_perception/resample/morton.h"
+#include "ladar_perception/util/dispatch.h"
 
 namespace ladar_perception {
 namespace {
@@ -39,6 +40,13 @@ constexpr std::array<std::array<uint64_t, 3>, 3> kSideMasks = {{
     {sideMask(2, -1), sideMask(2, 0), sideMask(2, 1)},
 }};
 
+/// Cells of a brick on those of its sides.
+LADAR_INLINE uint64_t sides(int dx, int dy, int dz) {
+  return kSideMasks[0][static_cast<std::size_t>(1 + dx)] &
+         kSideMasks[1][static_cast<std::size_t>(1 + dy)] &
+         kSideMasks[2][static_cast<std::size_t>(1 + dz)];
+}
+
 }  // namespace
 
 void SparseGrid::assign(std::vector<uint64_t> keys) {
@@ -62,30 +70,35 @@ void SparseGrid::assign(std::vector<uint64_t> keys) {
   }
 }
 
-void SparseGrid::gather(std::size_t brick, Block* block) const {
+LADAR_INLINE void SparseGrid::gatherInto(std::size_t brick, Block* block) const {
   block->fill(kNoIndex);
   const uint64_t key = bricks_[brick].key;
+  const uint64_t own = bricks_[brick].mask;
   for (int dz = -1; dz <= 1; ++dz) {
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
+        // Only where one of our own cells lies on that side.
+        if ((own & sides(dx, dy, dz)) == 0) continue;
         uint64_t neighbor_key = morton::step(key, morton::kAxisX, dx);
         neighbor_key = morton::step(neighbor_key, morton::kAxisY, dy);
         neighbor_key = morton::step(neighbor_key, morton::kAxisZ, dz);
         const uint32_t neighbor = findBrick(neighbor_key);
         if (neighbor == kNoIndex) continue;
         // Of the brick on side d only the cells on its side -d are around ours.
-        uint64_t mask = bricks_[neighbor].mask & kSideMasks[0][static_cast<std::size_t>(1 - dx)] &
-                        kSideMasks[1][static_cast<std::size_t>(1 - dy)] &
-                        kSideMasks[2][static_cast<std::size_t>(1 - dz)];
+        uint64_t mask = bricks_[neighbor].mask & sides(-dx, -dy, -dz);
         const int shift = 4 * (dx + kBlockEdge * (dy + kBlockEdge * dz));
         for (; mask != 0; mask &= mask - 1) {
           const int bit = __builtin_ctzll(mask);
-          (*block)[static_cast<std::size_t>(kPlaces.of_bit[static_cast<std::size_t>(bit)] + shift)] =
-              cellOf(bricks_[neighbor], bit);
+          (*block)[static_cast<std::size_t>(kPlaces.of_bit[static_cast<std::size_t>(bit)] +
+                                            shift)] = cellOf(bricks_[neighbor], bit);
         }
       }
     }
   }
+}
+
+void SparseGrid::gather(std::size_t brick, Block* block) const {
+  dispatch([&]() LADAR_INLINE_LAMBDA { gatherInto(brick, block); });
 }
 
 }  // namespace ladar_perception

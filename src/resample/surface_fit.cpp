@@ -11,8 +11,8 @@
 namespace ladar_perception {
 namespace {
 
-// A uniform sampling of a square of half-width b has the standard deviation b / sqrt(3): 1.5 of them
-// stay inside the square, so that crusts end where the points end.
+// A uniform sampling of a square of half-width b has the standard deviation b / sqrt(3): 1.5 of
+// them stay inside the square, so that crusts end where the points end.
 constexpr float kSemiAxisPerDeviation = 1.5F;
 // Pieces of neighbouring voxels overlap by this (in voxels); larger ones would round off edges.
 constexpr float kLargestSemiAxis = 1.3F;
@@ -32,8 +32,8 @@ Eigen::Vector3f towards(const Eigen::Vector3f& sensor, const Eigen::Vector3f& fr
 }
 
 float semiAxis(float eigenvalue, float edge) {
-  return std::clamp(kSemiAxisPerDeviation * std::sqrt(std::max(eigenvalue, 0.0F)),
-                    kLeastSemiAxis, kLargestSemiAxis * edge);
+  return std::clamp(kSemiAxisPerDeviation * std::sqrt(std::max(eigenvalue, 0.0F)), kLeastSemiAxis,
+                    kLargestSemiAxis * edge);
 }
 
 /// The part of the direction to the sensor across `along` (zero: any), unit length.
@@ -43,8 +43,8 @@ Eigen::Vector3f facing(const Eigen::Vector3f& sensor, const Eigen::Vector3f& fro
   normal -= normal.dot(along) * along;
   const float length = normal.norm();
   if (length > 1e-3F) return normal / length;
-  const Eigen::Vector3f any = std::abs(along.z()) < 0.9F ? Eigen::Vector3f::UnitZ()
-                                                         : Eigen::Vector3f::UnitX();
+  const Eigen::Vector3f any =
+      std::abs(along.z()) < 0.9F ? Eigen::Vector3f::UnitZ() : Eigen::Vector3f::UnitX();
   return (any - any.dot(along) * along).normalized();
 }
 
@@ -57,6 +57,7 @@ class Fitter {
     std::vector<uint8_t> now = wanted;
     if (now.empty()) now.assign(pyramid_.level(base_).grid.size(), 1);
     for (int level = base_; level < pyramid_.levels() && level <= base_ + kBridgeLevels; ++level) {
+      thinOut(level, &now);
       fitLevel(level, now);
       if (level + 1 < pyramid_.levels()) now = parentsOfUnfinished(level);
     }
@@ -65,6 +66,34 @@ class Fitter {
   }
 
  private:
+  /// Pieces overlap: where wanted voxels lie side by side, every other one is enough.
+  void thinOut(int level, std::vector<uint8_t>* wanted) const {
+    constexpr int kSidesEnough = 3;
+    const SparseGrid& grid = pyramid_.level(level).grid;
+    SparseGrid::Block block;
+    for (std::size_t brick = 0; brick < grid.bricks().size(); ++brick) {
+      const uint32_t end = grid.brickEnd(brick);
+      grid.gather(brick, &block);
+      uint64_t mask = grid.bricks()[brick].mask;
+      for (uint32_t i = grid.bricks()[brick].first; i < end; ++i, mask &= mask - 1) {
+        const auto bit = static_cast<uint64_t>(__builtin_ctzll(mask));
+        const int x = static_cast<int>(morton::x(bit));
+        const int y = static_cast<int>(morton::y(bit));
+        const int z = static_cast<int>(morton::z(bit));
+        if ((*wanted)[i] == 0 || ((x ^ y ^ z) & 1) == 0) continue;
+        const auto held = [&](int dx, int dy, int dz) {
+          const uint32_t other =
+              block[static_cast<std::size_t>(SparseGrid::blockIndex(x + dx, y + dy, z + dz))];
+          // Sides of an odd voxel are even: none of them has been taken out.
+          return other != kNoIndex && (*wanted)[other] != 0 ? 1 : 0;
+        };
+        const int sides = held(-1, 0, 0) + held(1, 0, 0) + held(0, -1, 0) + held(0, 1, 0) +
+                          held(0, 0, -1) + held(0, 0, 1);
+        if (sides >= kSidesEnough) (*wanted)[i] = 0;
+      }
+    }
+  }
+
   void fitLevel(int level, const std::vector<uint8_t>& wanted) {
     const VoxelLevel& voxels = pyramid_.level(level);
     const std::vector<PointSums> sums = sumNeighborhoods(voxels, level, wanted, pool_);
@@ -135,8 +164,8 @@ class Fitter {
       }
       if (found) continue;
       SurfaceFit piece;
-      piece.center = brickCenter(key >> 6, base_) +
-                     Eigen::Vector3f(sums.x, sums.y, sums.z) / sums.count;
+      piece.center =
+          brickCenter(key >> 6, base_) + Eigen::Vector3f(sums.x, sums.y, sums.z) / sums.count;
       piece.normal = facing(sensor_, piece.center, Eigen::Vector3f::Zero());
       piece.major = facing(sensor_, piece.center, piece.normal);
       piece.semi_major = piece.semi_minor = kLeastSemiAxis * edge;

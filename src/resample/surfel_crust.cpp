@@ -43,9 +43,9 @@ class Leaves {
     const std::vector<uint64_t>& keys = pyramid_.level(level).grid.keys();
     std::vector<uint8_t> leaf(keys.size(), 0);
     for (std::size_t i = 0; i < keys.size(); ++i) {
-      leaf[i] = fits(level, static_cast<uint32_t>(i)) && !(level < top_ && fitsAbove(level, keys[i]))
-                    ? 1
-                    : 0;
+      leaf[i] =
+          fits(level, static_cast<uint32_t>(i)) && !(level < top_ && fitsAbove(level, keys[i])) ? 1
+                                                                                                : 0;
     }
     return leaf;
   }

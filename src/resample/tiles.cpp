@@ -34,8 +34,7 @@ Tiles::Tiles(const std::vector<uint64_t>& keys, int level) {
   grid.assign(tile_keys);
   for (std::size_t i = 0; i < tile_keys.size(); ++i) {
     for (int step = 0; step < 27; ++step) {
-      const uint64_t key =
-          neighborKey(tile_keys[i], step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1);
+      const uint64_t key = neighborKey(tile_keys[i], step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1);
       const uint32_t other = grid.find(key);
       if (other == kNoIndex || (key & 7) <= (tile_keys[i] & 7)) continue;
       tiles_[i].later.push_back(other);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ladar_perception/resample/voronoi_vertex.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace ladar_perception {
 namespace {
@@ -11,44 +14,46 @@ namespace {
 // Vertices up to this far from the middle of a cell are its own, in edges along the surface.
 constexpr float kOwnReach = 0.75F;
 
-struct Owner {
-  uint32_t cell;
-  float distance2;  // straight, from the cell's place
-};
-
-/// The samples whose fronts hold the cell and its neighbours, nearest first.
+/// The samples whose fronts hold the cell and its neighbours; the three nearest are the first.
 class NearOwners {
  public:
-  NearOwners(const FrontField& field, uint32_t cell) : field_(field), p_(field.nodes[cell].position()) {
+  NearOwners(const FrontField& field, uint32_t cell)
+      : field_(field), p_(field.nodes[cell].position()) {
     add(field.arrivals[cell].owner);
     const Crust& crust = *field.crust;
     for (uint32_t k = crust.first_neighbor[cell]; k < crust.first_neighbor[cell + 1]; ++k) {
       add(field.arrivals[crust.neighbors[k]].owner);
     }
-    std::sort(owners_.begin(), owners_.begin() + count_,
-              [](const Owner& a, const Owner& b) { return a.distance2 < b.distance2; });
+    if (count_ < 3) return;
+    for (std::size_t i = 0; i < 3; ++i) {
+      std::size_t nearest = i;
+      for (std::size_t k = i + 1; k < count_; ++k) {
+        if (distances2_[k] < distances2_[nearest]) nearest = k;
+      }
+      std::swap(owners_[i], owners_[nearest]);
+      std::swap(distances2_[i], distances2_[nearest]);
+    }
   }
 
-  int size() const { return count_; }
-  const Eigen::Vector3f& sample(int i) const {
-    return field_.samples[owners_[static_cast<std::size_t>(i)].cell];
-  }
-  uint32_t cell(int i) const { return owners_[static_cast<std::size_t>(i)].cell; }
+  std::size_t size() const { return count_; }
+  const Eigen::Vector3f& sample(std::size_t i) const { return field_.samples[owners_[i]]; }
+  uint32_t cell(std::size_t i) const { return owners_[i]; }
 
  private:
   void add(uint32_t owner) {
-    if (owner == kNoIndex || count_ == static_cast<int>(owners_.size())) return;
-    for (int i = 0; i < count_; ++i) {
-      if (owners_[static_cast<std::size_t>(i)].cell == owner) return;
+    if (owner == kNoIndex || count_ == owners_.size()) return;
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (owners_[i] == owner) return;
     }
-    owners_[static_cast<std::size_t>(count_++)] = {owner,
-                                                   (field_.samples[owner] - p_).squaredNorm()};
+    owners_[count_] = owner;
+    distances2_[count_++] = (field_.samples[owner] - p_).squaredNorm();
   }
 
   const FrontField& field_;
   Eigen::Vector3f p_;
-  std::array<Owner, 12> owners_{};
-  int count_ = 0;
+  std::array<uint32_t, 12> owners_;
+  std::array<float, 12> distances2_;  // straight, from the cell's place
+  std::size_t count_ = 0;
 };
 
 /// Circumcentre of three places, in a plane through the origin with that normal; false if they are
@@ -99,7 +104,7 @@ VoronoiVertex findVertex(const FrontField& field, uint32_t cell) {
   if (length > reach) offset *= reach / length;
   const Eigen::Vector3f there = vertex.position + offset;
   float time = std::numeric_limits<float>::infinity();
-  for (int i = 0; i < owners.size(); ++i) {
+  for (std::size_t i = 0; i < owners.size(); ++i) {
     time = std::min(time, (owners.sample(i) - there).norm() * 0.5F *
                               (node.slowness + field.nodes[owners.cell(i)].slowness));
   }

@@ -56,14 +56,15 @@ class CloudResampler {
   CloudResampler(CloudResampler&&) noexcept;
   CloudResampler& operator=(CloudResampler&&) noexcept;
 
-  /// Forgets the cloud before and re-samples this one. A cloud with fewer finite points than samples
-  /// wanted gives what its crust can hold; one without any gives none. Throws std::runtime_error
-  /// where a policy needs a field that the cloud lacks.
+  /// Forgets the cloud before and re-samples this one. A cloud with fewer finite points than
+  /// samples wanted gives what its crust can hold; one without any gives none. Throws
+  /// std::runtime_error where a policy needs a field that the cloud lacks.
   ResampledCloud resample(const PoseCloudData& cloud, const Policies& policies = {});
 
   /// Adds points to the cloud that was re-sampled last. Crust and fronts are extended where the
   /// points change them and samples that are there stay; `config.count` then means this many more
-  /// and `radius_m` is what it was. `sources` count through the clouds in the order they were given.
+  /// and `radius_m` is what it was. `sources` count through the clouds in the order they were
+  /// given.
   ResampledCloud extend(const PoseCloudData& more);
 
  private:

@@ -31,16 +31,17 @@ struct Crust {
   double area_m2() const;
 };
 
-/// A crust one cell deep: pieces of surface are blended into one plane per cell, and of the cells in
-/// a column along the plane's main axis the one that the plane goes through is kept. `cell_levels`
-/// gives each voxel of level 0 the size of cells wanted there (2^level; all 0 if empty).
+/// A crust one cell deep: pieces of surface are blended into one plane per cell, and of the cells
+/// in a column along the plane's main axis the one that the plane goes through is kept.
+/// `cell_levels` gives each voxel of level 0 the size of cells wanted there (2^level; all 0 if
+/// empty).
 Crust makeSurfelCrust(const VoxelPyramid& pyramid, const GridFrame& frame,
                       const std::vector<uint8_t>& cell_levels, const Eigen::Vector3f& sensor,
                       ThreadPool* pool);
 
 /// The paper's crust: all cells inside the union of ellipsoids, one fitted to every point and its
-/// `neighbors` nearest ones. A few cells deep, and slow. Ellipsoids end at kLargestEllipsoidCells, so
-/// that those of sparse places do not bridge what is apart. `weights` by source; empty means 1.
+/// `neighbors` nearest ones. A few cells deep, and slow. Ellipsoids end at kLargestEllipsoidCells,
+/// so that those of sparse places do not bridge what is apart. `weights` by source; empty means 1.
 constexpr float kLargestEllipsoidCells = 8.0F;
 Crust makeEllipsoidCrust(const GridPoints& points, const std::vector<float>& weights, int neighbors,
                          const Eigen::Vector3f& sensor, ThreadPool* pool);

@@ -17,7 +17,8 @@ struct FarthestPointsGoal {
   std::size_t count = 0;  ///< samples; 0: not set
   float radius = 0;       ///< arrival time no cell exceeds; 0: not set
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
-  /// First radius: samples that far apart are put in at random, farther ones need not be looked for.
+  /// First radius: samples that far apart are put in at random, farther ones need not be looked
+  /// for.
   float first_radius = 0;
 };
 
@@ -25,8 +26,8 @@ struct FarthestPointsGoal {
 struct SampleSet {
   std::vector<uint32_t> cells;  ///< cell a sample lies in; no two in one
   std::vector<Eigen::Vector3f> positions;
-  /// Greatest arrival time that is left when this sample and those before it are in. Among the first
-  /// samples, those of the random start, it is the straight distance times the mean slowness.
+  /// Greatest arrival time that is left when this sample and those before it are in. Among the
+  /// first samples, those of the random start, it is the straight distance times the mean slowness.
   std::vector<float> covering;
   float radius_reached = 0;  ///< the next sample would have been at most this far
 
@@ -35,19 +36,22 @@ struct SampleSet {
 
 /// Chooses samples. The strategy puts every sample at the place the fronts reach last, a vertex of
 /// the Voronoi diagram of those before, one after the other. Here
-/// 1. random cells farther than `first_radius` from all before make a start (a Poisson-disk set that
+/// 1. random cells farther than `first_radius` from all before make a start (a Poisson-disk set
+/// that
 ///    covers every island of the crust): the many long fronts of the first samples are not run;
 /// 2. rounds with radii that fall by a tenth fill in all vertices farther than the radius, tile by
 ///    tile, each at the circumcentre of its three nearest samples, not at the middle of a cell;
 /// 3. samples are put into the order of their distances.
 /// Time is O(cells + samples) but for a logarithm in step 3. `field` is left with all fronts.
+/// Samples of `before` are in from the beginning, and first in the result: their fronts are run,
+/// none of them is chosen again, and a count is one with them.
 template <typename Metric>
-SampleSet chooseFarthestPoints(FrontField* field, const FarthestPointsGoal& goal, ThreadPool* pool);
+SampleSet chooseFarthestPoints(FrontField* field, const FarthestPointsGoal& goal, ThreadPool* pool,
+                               const SampleSet& before = {});
 
 extern template SampleSet chooseFarthestPoints<Flood>(FrontField*, const FarthestPointsGoal&,
-                                                      ThreadPool*);
-extern template SampleSet chooseFarthestPoints<FastMarching>(FrontField*,
-                                                             const FarthestPointsGoal&,
-                                                             ThreadPool*);
+                                                      ThreadPool*, const SampleSet&);
+extern template SampleSet chooseFarthestPoints<FastMarching>(FrontField*, const FarthestPointsGoal&,
+                                                             ThreadPool*, const SampleSet&);
 
 }  // namespace ladar_perception

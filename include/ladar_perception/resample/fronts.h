@@ -34,7 +34,7 @@ struct FrontField {
   std::vector<Node> nodes;
   std::vector<Arrival> arrivals;
   std::vector<Eigen::Vector3f> samples;  ///< place of the sample of a cell, where there is one
-  std::vector<uint8_t> in_sight;  ///< the front came straight from the sample (FastMarching)
+  std::vector<uint8_t> in_sight;         ///< the front came straight from the sample (FastMarching)
 };
 
 /// A sample whose front is under way.

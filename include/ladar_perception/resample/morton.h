@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Morton (Z-order) keys: cells that are close in space are close in a sorted array, and the cells of
-// a cube of 2^k cells are a run of it.
+// Morton (Z-order) keys: cells that are close in space are close in a sorted array, and the cells
+// of a cube of 2^k cells are a run of it.
 #pragma once
 
 #include <cstdint>

@@ -10,8 +10,8 @@
 
 namespace ladar_perception {
 
-/// For every place, in cells, the nearest point: its place in the sorted order of `points`, of which
-/// there must be one at least. Exact; of several the first.
+/// For every place, in cells, the nearest point: its place in the sorted order of `points`, of
+/// which there must be one at least. Exact; of several the first.
 std::vector<uint32_t> nearestPoints(const GridPoints& points, const VoxelPyramid& pyramid,
                                     const std::vector<Eigen::Vector3f>& places, ThreadPool* pool);
 

@@ -9,8 +9,8 @@
 
 namespace ladar_perception {
 
-/// Calls task(begin, end) for pieces of [0, size) on all threads of the pool. Threads take pieces as
-/// they become free, so what a piece computes must not depend on the others.
+/// Calls task(begin, end) for pieces of [0, size) on all threads of the pool. Threads take pieces
+/// as they become free, so what a piece computes must not depend on the others.
 template <typename Task>
 void parallelFor(ThreadPool* pool, std::size_t size, std::size_t piece, const Task& task) {
   if (pool->size() == 1 || size <= piece) {

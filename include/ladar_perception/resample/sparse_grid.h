@@ -50,9 +50,11 @@ class SparseGrid {
       if (brick == kNoIndex || bricks_[brick].key == brick_key) return brick;
     }
   }
+  /// Around the brick only next to the brick's own cells.
   void gather(std::size_t brick, Block* block) const;
 
  private:
+  void gatherInto(std::size_t brick, Block* block) const;
   static uint32_t cellOf(const Brick& brick, int bit) {
     const uint64_t below = (uint64_t{1} << bit) - 1;
     return brick.mask >> bit & 1

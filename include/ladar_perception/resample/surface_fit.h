@@ -36,11 +36,11 @@ constexpr float kPlanePoints = 8;
 /// Levels that gaps between points are bridged over: voxels eight times as wide.
 constexpr int kBridgeLevels = 3;
 
-/// Pieces of surface for voxels of `level`, those with `wanted[i]` set (all if it is empty): each by
-/// the first level, up to kBridgeLevels more, at which voxel and neighbours hold kPlanePoints.
-/// Coarser levels must be planar, so that foliage is not bridged; a line (a scan ring, a wire) stays
-/// one unless a coarser level finds the plane it lies in. A voxel left alone gets a piece of its own
-/// size that faces the sensor. In the order of levels, then of Morton keys.
+/// Pieces of surface for voxels of `level`, those with `wanted[i]` set (all if it is empty): each
+/// by the first level, up to kBridgeLevels more, at which voxel and neighbours hold kPlanePoints.
+/// Coarser levels must be planar, so that foliage is not bridged; a line (a scan ring, a wire)
+/// stays one unless a coarser level finds the plane it lies in. A voxel left alone gets a piece of
+/// its own size that faces the sensor. In the order of levels, then of Morton keys.
 std::vector<SurfaceFit> fitSurface(const VoxelPyramid& pyramid, int level,
                                    const std::vector<uint8_t>& wanted,
                                    const Eigen::Vector3f& sensor, ThreadPool* pool);
