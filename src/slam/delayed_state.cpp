@@ -224,14 +224,17 @@ int DelayedState::judge(const Candidate& candidate, const RegistrationOutcome& o
     ++counts_.diverged;
     return 0;
   }
-  if (outcome.overlap < config_.min_overlap) {
+  if (outcome.overlap < config_.accept_overlap) {
     ++counts_.low_overlap;
     return 0;
   }
   const Matrix6d covariance = outcome.covariance + config_.registrationFloor();
+  // Along what it does not see, a registration slides anywhere, and what it does see is then right
+  // for that place only. So its large variances are no excuse there: it must end near the estimate.
+  const bool is_degenerate = outcome.verdict == RegistrationVerdict::kDegenerate;
   const double chi2 =
-      innovationChi2(outcome.T_from_to, covariance, graph_.relative(candidate.from, candidate.to),
-                     candidate.covariance);
+      innovationChi2(outcome.T_from_to, is_degenerate ? config_.registrationFloor() : covariance,
+                     graph_.relative(candidate.from, candidate.to), candidate.covariance);
   if (!(chi2 <= config_.gate_chi2)) {
     ++counts_.inconsistent;
     return 0;

@@ -29,7 +29,7 @@ void DelayedStateConfig::addTo(ParamTable* table) {
              "standard deviations by which poses may be nearer than they are estimated to be");
   table->add("max_candidates", &max_candidates, 0, 100, "poses",
              "earlier poses that a new one is registered to, besides the one before");
-  table->add("min_overlap", &min_overlap, 0.0, 1.0, "",
+  table->add("accept_overlap", &accept_overlap, 0.0, 1.0, "",
              "registrations are refused where a smaller share of the samples found a partner");
   table->add("gate_chi2", &gate_chi2, 0.1, 1e6, "",
              "squared Mahalanobis distance from the estimate, 6 degrees of freedom, beyond which a "

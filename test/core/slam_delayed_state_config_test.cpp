@@ -14,8 +14,8 @@ TEST(SlamDelayedStateConfig, DefaultsAreInOrder) {
   ParamTable table;
   config.addTo(&table);
   EXPECT_EQ(table.specs().size(), 18u);
-  EXPECT_TRUE(table.apply({{"min_overlap", 0.5}, {"threads", 2}}).empty());
-  EXPECT_EQ(config.min_overlap, 0.5);
+  EXPECT_TRUE(table.apply({{"accept_overlap", 0.5}, {"threads", 2}}).empty());
+  EXPECT_EQ(config.accept_overlap, 0.5);
   EXPECT_EQ(config.threads, 2);
 }
 
@@ -23,7 +23,7 @@ TEST(SlamDelayedStateConfig, ReportsWhatIsWrong) {
   DelayedStateConfig config;
   ParamTable table;
   config.addTo(&table);
-  EXPECT_EQ(table.apply({{"min_overlap", 1.5}, {"overlap_dist_m", 3.0}}).size(), 2u);
+  EXPECT_EQ(table.apply({{"accept_overlap", 1.5}, {"overlap_dist_m", 3.0}}).size(), 2u);
   config.loop_hops = config.window_poses = 20;
   ASSERT_EQ(config.validate().size(), 1u);
   EXPECT_NE(config.validate()[0].find("loop_hops: 20"), std::string::npos);

@@ -20,7 +20,7 @@ struct DelayedStateConfig {
   double overlap_distance_m = 15.0;
   double search_sigmas = 2.0;
   int max_candidates = 3;
-  double min_overlap = 0.3;
+  double accept_overlap = 0.3;
   double gate_chi2 = 22.46;
   double confirm_sigma_m = 0.5;
   int confirm_poses = 20;
