@@ -4,10 +4,11 @@
 
 performance_report.py RESULTS OUT.md: RESULTS holds saliency.json and pipeline.json.
 """
-import json
 import os
 import re
 import sys
+
+from report_tables import load, number, table
 
 SCENES = ["flat_ground", "forest", "tall_grass", "oakland", "kitti"]
 KS = [3, 5, 7, 9, 11, 13]
@@ -104,27 +105,6 @@ labels); the volume n costs only a glance at every column, and k little: the sum
 know it, but a larger support is more often touched by a scan. Without re-use (`reuse:off`) all v are
 computed anew at every scan.
 """
-
-
-def load(path):
-    """name -> counters and times of the medians; and the context."""
-    with open(path, encoding="utf-8") as file:
-        content = json.load(file)
-    runs = {}
-    for run in content["benchmarks"]:
-        if run.get("aggregate_name") == "median":
-            runs[run["run_name"].split("/iterations:")[0]] = run
-    return runs, content["context"]
-
-
-def number(value, digits=0):
-    return "-" if value is None else f"{value:,.{digits}f}"
-
-
-def table(first, heads, rows):
-    lines = ["| " + first + " | " + " | ".join(heads) + " |", "|---" * (len(heads) + 1) + "|"]
-    lines += ["| " + name + " | " + " | ".join(cells) + " |" for name, cells in rows]
-    return "\n".join(lines)
 
 
 def sums_part(runs, scenes):

@@ -33,5 +33,8 @@ rosrun ladar_perception evaluate_classifier "$work/scans.bag" --report "$work/re
   --model "$share/config/models/starter.yaml"
 [ -f "$work/report/confusion.png" ]
 roslaunch --files ladar_perception replay.launch bag:=x | grep >/dev/null "$share/launch/terrain.launch"
+roslaunch --files ladar_perception replay.launch bag:=x poses:=true |
+  grep >/dev/null "$share/launch/pose_resampler.launch"
 rosrun ladar_perception terrain_summary.py --help >"$work/help.txt"
-[ -f "$share/rviz/terrain.rviz" ]
+[ -f "$share/rviz/terrain.rviz" ] && [ -f "$share/rviz/pose_resampler.rviz" ]
+[ -f "$share/config/pose_resampler.yaml" ] && [ -x "$prefix/lib/ladar_perception/pose_resampler_node" ]

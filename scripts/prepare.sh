@@ -17,7 +17,7 @@ run_packages=(
   python3-matplotlib python3-numpy)
 view_packages=(rviz xvfb libgl1-mesa-dri imagemagick)
 test_packages=(libgtest-dev librostest-dev python3-rostest catkin-lint)
-bench_packages=(libbenchmark-dev libcgal-dev liboctomap-dev)
+bench_packages=(libbenchmark-dev libcgal-dev liboctomap-dev libopen3d-dev)
 
 # The same for the demo and the tests, so that neither builds again what the other has built.
 build_options=(-DCMAKE_BUILD_TYPE=Release -DLADAR_WARNINGS_AS_ERRORS=ON)

@@ -8,13 +8,20 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
+#include <functional>
 #include <iostream>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "ladar_perception/io/output_file.h"
+#include "ladar_perception/io/scan_writer.h"
 #include "ladar_perception/sim/drifting_odometry.h"
 #include "ladar_perception/sim/scan_cloud.h"
 #include "ladar_perception/sim/sensors.h"
+#include "ladar_perception/sim/true_cloud.h"
 #include "ladar_perception/sim/world.h"
 #include "ladar_perception/util/progress.h"
 #include "scan_bag_writer.h"
@@ -45,6 +52,11 @@ struct Options {
   double drift_percent = 0.0;
   double drift_deg = 0.0;
   std::string out;
+  std::string cloud;
+  ladar_perception::sim::TrueCloudConfig dense;
+  // On campus this is between bicycles, a brick building, trees and the street.
+  double at_m = 152.0;
+  double left_m = -4.5;
 };
 
 bool drifts(const Options& options) {
@@ -150,6 +162,62 @@ void simulate(const Options& options) {
   printSummary(options, scans, summary, elapsed.count());
 }
 
+using ladar_perception::Column;
+using ladar_perception::ScalarType;
+using ladar_perception::sim::TruePoint;
+
+ladar_perception::Scan toScan(const std::vector<TruePoint>& points) {
+  std::vector<Column> columns;
+  const auto add = [&](const std::string& name, ScalarType type,
+                       const std::function<double(const TruePoint&)>& value) {
+    Column column{name, type, {}};
+    column.values.reserve(points.size());
+    for (const TruePoint& point : points) column.values.push_back(value(point));
+    columns.push_back(std::move(column));
+  };
+  const auto addVector = [&](const std::string& prefix, Eigen::Vector3d TruePoint::*member) {
+    for (int axis = 0; axis < 3; ++axis) {
+      add(prefix + "xyz"[axis], ScalarType::kFloat32,
+          [=](const TruePoint& point) { return (point.*member)[axis]; });
+    }
+  };
+  addVector("", &TruePoint::p_m);
+  add("intensity", ScalarType::kFloat32, [](const TruePoint& p) { return double{p.intensity}; });
+  add("rgb", ScalarType::kFloat32, [](const TruePoint& p) {
+    float bits = 0.0F;
+    std::memcpy(&bits, &p.rgb, sizeof bits);
+    return double{bits};
+  });
+  add("truth", ScalarType::kUint8, [](const TruePoint& p) { return static_cast<double>(p.truth); });
+  add("label", ScalarType::kUint16,
+      [](const TruePoint& p) { return static_cast<double>(p.label); });
+  addVector("true_", &TruePoint::p_true_m);
+  addVector("true_normal_", &TruePoint::normal);
+  add("face", ScalarType::kUint32, [](const TruePoint& p) { return static_cast<double>(p.face); });
+  return ladar_perception::makeScan(columns);
+}
+
+/// One dense cloud of a sensor that stands still.
+void simulateCloud(const Options& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  const ladar_perception::ScanFormat format = ladar_perception::writtenFormat(options.cloud);
+  ladar_perception::OutputFile file(options.cloud);
+  const World world = ladar_perception::sim::makeWorld(options.scene, options.seed);
+  const double height_m = options.sensor_height_m > 0.0 ? options.sensor_height_m : 1.7;
+  const Eigen::Vector3d sensor_world =
+      ladar_perception::sim::placeBesideTrack(world, options.at_m, options.left_m, height_m);
+  const auto points =
+      ladar_perception::sim::takeTrueCloud(world.scene, sensor_world, options.dense, options.seed);
+  if (points.empty()) throw std::runtime_error("the sensor sees nothing from there");
+  ladar_perception::writeScan(toScan(points), format, &file.stream());
+  file.complete();
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  std::printf("%s: scene %s, seed %llu, %zu points from (%.3f, %.3f, %.3f), %.1f s\n",
+              options.cloud.c_str(), options.scene.c_str(),
+              static_cast<unsigned long long>(options.seed), points.size(), sensor_world.x(),
+              sensor_world.y(), sensor_world.z(), elapsed.count());
+}
+
 /// CLI::Range lets NaN pass: every comparison with it is false.
 std::string finite(const std::string& text) {
   const bool is_nan = std::isnan(std::strtod(text.c_str(), nullptr));
@@ -208,8 +276,36 @@ void addOptions(CLI::App* app, Options* options) {
       ->check(finite)
       ->capture_default_str();
   app->add_option("--out", options->out, "Bag to write; replaced if it exists")
-      ->required()
       ->type_name("FILE.bag");
+}
+
+void addCloudOptions(CLI::App* app, Options* options) {
+  const std::string group = "One dense cloud instead of a bag";
+  auto* cloud = app->add_option("--cloud", options->cloud,
+                                "Cloud to write (.pcd, .ply, .xyz) of a sensor that stands still "
+                                "and sees all around, with positions from the sensor, colours, "
+                                "classes and, of every point, the place and the normal of the true "
+                                "surface and the number of the flat face it lies on (0: none)");
+  cloud->type_name("FILE")->group(group)->excludes("--out")->excludes("--sensor");
+  cloud->excludes("--look")->excludes("--duration")->excludes("--speed");
+  const auto add = [&](const std::string& name, double* value, double low, double high,
+                       const std::string& help) {
+    app->add_option(name, *value, help)
+        ->check(CLI::Range(low, high))
+        ->check(finite)
+        ->capture_default_str()
+        ->group(group)
+        ->needs(cloud);
+  };
+  app->add_option("--points", options->dense.points, "About as many points, 1000 to 10000000")
+      ->check(CLI::Range(1000, 10000000))
+      ->capture_default_str()
+      ->group(group)
+      ->needs(cloud);
+  add("--range-noise", &options->dense.range_sigma_m, 0.0, 1.0,
+      "Standard deviation of the ranges, m");
+  add("--at", &options->at_m, 0.0, 1e4, "Where the sensor stands along the track, m");
+  add("--left", &options->left_m, -50.0, 50.0, "How far to the left of the track, m");
 }
 
 }  // namespace
@@ -224,14 +320,19 @@ int main(int argc, char** argv) {
   app.footer("Example: rosrun ladar_perception simulate_ladar --scene forest --out forest.bag");
   Options options;
   addOptions(&app, &options);
+  addCloudOptions(&app, &options);
   CLI11_PARSE(app, argc, argv);
+  if (options.out.empty() && options.cloud.empty()) {
+    std::cerr << "simulate_ladar: --out FILE.bag or --cloud FILE is required\n";
+    return 1;
+  }
   if (!options.look.empty() && options.sensor != "pushbroom") {
     std::cerr << "simulate_ladar: --look " << options.look << " is for --sensor pushbroom, not "
               << options.sensor << "\n";
     return 1;
   }
   try {
-    simulate(options);
+    options.cloud.empty() ? simulate(options) : simulateCloud(options);
   } catch (const std::exception& error) {
     std::cerr << "simulate_ladar: " << error.what() << "\n";
     return 1;

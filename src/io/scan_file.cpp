@@ -94,6 +94,20 @@ ScanFormat scanFormatFromName(const std::string& name) {
   throw std::runtime_error("unknown format '" + name + "', expected one of" + expected);
 }
 
+ScanFormat scanFormatFromPath(const std::string& path) {
+  const std::string extension = fs::path(path).extension().string();
+  std::string expected;
+  for (std::size_t i = 0; i < scanFormatNames().size(); ++i) {
+    const auto format = static_cast<ScanFormat>(i);
+    for (const std::string& known : extensionsOf(format)) {
+      if (extension == known) return format;
+      expected += " " + known;
+    }
+  }
+  throw std::runtime_error(path + ": extension '" + extension +
+                           "' names no format, expected one of" + expected);
+}
+
 Scan readScan(const std::string& path, ScanFormat format, const std::vector<std::string>& columns) {
   switch (format) {
     case ScanFormat::kOakland:

@@ -54,14 +54,24 @@ struct Columns {
   }
 };
 
-/// A tile of cells with one cell around it: small enough to stay in the cache while pieces are
-/// blended.
+/// Weighted sums of the planes in a cell, later their mean.
+struct alignas(32) Blend {
+  /// Normal, and offset along it from the cell's middle; the mean has the height over the middle
+  /// along the main axis instead, NaN where there is no plane or it is another cell's.
+  Eigen::Array4f plane = Eigen::Array4f::Zero();
+  float trust = 0;  ///< 0 where no piece came
+  float weight = 0;
+  float facing = 0;  ///< of the trust, what counts for the normal's sign
+};
+
+/// A tile of cells with one cell around it: what a surface touches of it stays in the cache while
+/// pieces are blended.
 class TileGrid {
  public:
-  static constexpr int kLevel = 4;
+  static constexpr int kLevel = 5;
   static constexpr int kEdge = (1 << kLevel) + 2;
 
-  TileGrid() : planes_(kCells, Eigen::Array4f::Zero()), weights_(kCells), trusts_(kCells) {}
+  TileGrid() : blends_(kCells) {}
 
   /// `origin_cell` is the cell at the origin; `tile` the tile's key.
   void begin(uint64_t tile, int origin_cell) {
@@ -76,19 +86,31 @@ class TileGrid {
     const std::size_t v = columns.v;
     const Eigen::Vector3f& c = columns.center;
     const Eigen::Array4f plane(piece.normal.x(), piece.normal.y(), piece.normal.z(), 0.0F);
-    const int u_end = std::min(range.high[u] - corner_[u], kEdge - 1);
+    const auto axis_at = static_cast<int>(columns.axis);
+    const float base_height = c[axis_at] - static_cast<float>(corner_[columns.axis]);
+    const float base_u = 0.5F + static_cast<float>(corner_[u]) - c[static_cast<int>(u)];
+    const float base_v = 0.5F + static_cast<float>(corner_[v]) - c[static_cast<int>(v)];
+    // Along a row of columns the ellipse is s^2 + t^2 <= 1 with s and t linear in ru.
+    const float square = columns.s_u * columns.s_u + columns.t_u * columns.t_u;
+    const float by_square = 1.0F / square;
     const int v_end = std::min(range.high[v] - corner_[v], kEdge - 1);
     for (int iv = std::max(range.low[v] - corner_[v], 0); iv <= v_end; ++iv) {
-      const float rv = static_cast<float>(iv + corner_[v]) + 0.5F - c[static_cast<int>(v)];
-      for (int iu = std::max(range.low[u] - corner_[u], 0); iu <= u_end; ++iu) {
-        const float ru = static_cast<float>(iu + corner_[u]) + 0.5F - c[static_cast<int>(u)];
-        const float s = columns.s_u * ru + columns.s_v * rv;
-        const float t = columns.t_u * ru + columns.t_v * rv;
-        const float inside = 1.0F - (s * s + t * t);
-        if (inside < 0.0F) continue;
-        const float height = c[static_cast<int>(columns.axis)] + columns.height_u * ru +
-                             columns.height_v * rv - static_cast<float>(corner_[columns.axis]);
-        addToColumn(piece, plane, columns.axis, height, piece.trust * (inside + kRimWeight),
+      const float rv = static_cast<float>(iv) + base_v;
+      const float s = columns.s_v * rv;
+      const float t = columns.t_v * rv;
+      const float middle = -(columns.s_u * s + columns.t_u * t) * by_square;
+      const float half2 = middle * middle - (s * s + t * t - 1.0F) * by_square;
+      if (half2 < 0.0F) continue;
+      const float half = std::sqrt(half2);
+      const int u_begin = std::max(-floorToInt(base_u - (middle - half)), 0);
+      const int u_end = std::min(floorToInt(middle + half - base_u), kEdge - 1);
+      for (int iu = u_begin; iu <= u_end; ++iu) {
+        const float ru = static_cast<float>(iu) + base_u;
+        const float off = ru - middle;
+        const float inside = (half2 - off * off) * square;
+        addToColumn(piece, plane, columns.axis,
+                    base_height + columns.height_u * ru + columns.height_v * rv,
+                    piece.trust * (std::max(inside, 0.0F) + kRimWeight),
                     iu * kStrides[u] + iv * kStrides[v]);
       }
     }
@@ -96,33 +118,41 @@ class TileGrid {
 
   /// Surfels of the tile's own cells, in the order of keys; leaves the grid empty.
   void finish(uint64_t tile, float edge, std::vector<Surfel>* surfels) {
-    std::array<uint64_t, 64> own{};  // bit per cell, in the order of keys
+    static const TilePlaces places;
+    std::array<uint64_t, kOwnCells / 64> own{};  // bit per cell, in the order of keys
     for (const uint16_t cell : touched_) {
-      meanOf(cell);
-      const int x = cell % kEdge - 1;
-      const int y = cell / kEdge % kEdge - 1;
-      const int z = cell / (kEdge * kEdge) - 1;
-      if (std::min({x, y, z}) < 0 || std::max({x, y, z}) >= 1 << kLevel) continue;
-      const uint64_t key = morton::encode(static_cast<uint32_t>(x), static_cast<uint32_t>(y),
-                                          static_cast<uint32_t>(z));
-      own[key >> 6] |= uint64_t{1} << (key & 63);
+      meanOf(&blends_[cell]);
+      const uint16_t key = places.key_of_cell[cell];
+      if (key != kOutside) own[key >> 6] |= uint64_t{1} << (key & 63);
     }
-    for (uint64_t word = 0; word < own.size(); ++word) {
+    for (std::size_t word = 0; word < own.size(); ++word) {
       for (uint64_t mask = own[word]; mask != 0; mask &= mask - 1) {
-        const uint64_t key = word << 6 | static_cast<uint64_t>(__builtin_ctzll(mask));
-        addSurfel(key, tile, edge, surfels);
+        const std::size_t key = word << 6 | static_cast<std::size_t>(__builtin_ctzll(mask));
+        addSurfel(places.cell_of_key[key], tile << 3 * kLevel | key, edge, surfels);
       }
     }
-    for (const uint16_t cell : touched_) {
-      planes_[cell].setZero();
-      weights_[cell] = 0.0F;
-      trusts_[cell] = 0.0F;
-    }
+    for (const uint16_t cell : touched_) blends_[cell] = Blend();
     touched_.clear();
   }
 
  private:
   static constexpr std::size_t kCells = kEdge * kEdge * kEdge;
+  static constexpr std::size_t kOwnCells = std::size_t{1} << 3 * kLevel;
+  static constexpr uint16_t kOutside = 0xffff;
+
+  /// Between the places of cells in the grid and their keys in the tile.
+  struct TilePlaces {
+    std::vector<uint16_t> key_of_cell;
+    std::vector<uint16_t> cell_of_key;
+    TilePlaces() : key_of_cell(kCells, kOutside), cell_of_key(kOwnCells) {
+      for (uint32_t key = 0; key < kOwnCells; ++key) {
+        const uint32_t cell = (morton::x(key) + 1) + (morton::y(key) + 1) * kEdge +
+                              (morton::z(key) + 1) * kEdge * kEdge;
+        key_of_cell[cell] = static_cast<uint16_t>(key);
+        cell_of_key[key] = static_cast<uint16_t>(cell);
+      }
+    }
+  };
   static constexpr std::array<int, 3> kStrides = {1, kEdge, kEdge* kEdge};
 
   void addToColumn(const SurfaceFit& piece, const Eigen::Array4f& plane, std::size_t axis,
@@ -131,50 +161,48 @@ class TileGrid {
     const int high = std::min(floorToInt(height + kBorder), kEdge - 1);
     for (int at = low; at <= high; ++at) {
       const auto cell = static_cast<std::size_t>(column + at * kStrides[axis]);
-      if (trusts_[cell] == 0.0F) touched_.push_back(static_cast<uint16_t>(cell));
-      Eigen::Array4f shifted = plane;
-      shifted[3] = plane[static_cast<int>(axis)] * (height - (static_cast<float>(at) + 0.5F));
-      planes_[cell] += trust * shifted;
-      weights_[cell] += trust * piece.weight;
-      trusts_[cell] += trust;
+      Blend& blend = blends_[cell];
+      if (blend.trust == 0.0F) touched_.push_back(static_cast<uint16_t>(cell));
+      blend.plane += trust * plane;
+      blend.plane[3] +=
+          trust * piece.normal[static_cast<int>(axis)] * (height - (static_cast<float>(at) + 0.5F));
+      blend.weight += trust * piece.weight;
+      blend.trust += trust;
     }
   }
 
-  /// From sums to the mean plane: unit normal, and height over the cell's middle along the main
-  /// axis; NaN where normals cancel or the plane is another cell's.
-  void meanOf(std::size_t cell) {
-    Eigen::Array4f& plane = planes_[cell];
-    const float length = plane.head<3>().matrix().norm();
+  void meanOf(Blend* blend) const {
+    Eigen::Array4f& plane = blend->plane;
+    const float length = std::sqrt(plane[0] * plane[0] + plane[1] * plane[1] + plane[2] * plane[2]);
     const float height = plane[3] / plane[mainAxis(plane)];
-    const bool surface = length > 0.1F * trusts_[cell] && std::abs(height) <= kReach;
-    plane /= length;
+    // Normals that cancel are no surface.
+    const bool surface = length > 0.1F * blend->trust && std::abs(height) <= kReach;
+    plane *= (blend->facing < 0.0F ? -1.0F : 1.0F) / length;
     plane[3] = surface ? height : std::numeric_limits<float>::quiet_NaN();
   }
 
   static int mainAxis(const Eigen::Array4f& plane) {
-    int axis = 0;
-    plane.head<3>().abs().maxCoeff(&axis);
-    return axis;
+    const float x = std::abs(plane[0]);
+    const float y = std::abs(plane[1]);
+    const float z = std::abs(plane[2]);
+    return x >= y ? (x >= z ? 0 : 2) : (y >= z ? 1 : 2);
   }
 
-  void addSurfel(uint64_t key, uint64_t tile, float edge, std::vector<Surfel>* surfels) const {
-    const std::array<int, 3> at = {static_cast<int>(morton::x(key)) + 1,
-                                   static_cast<int>(morton::y(key)) + 1,
-                                   static_cast<int>(morton::z(key)) + 1};
-    const auto cell = static_cast<std::size_t>(at[0] + at[1] * kStrides[1] + at[2] * kStrides[2]);
-    const Eigen::Array4f& plane = planes_[cell];
+  void addSurfel(std::size_t cell, uint64_t key, float edge, std::vector<Surfel>* surfels) const {
+    const Eigen::Array4f& plane = blends_[cell].plane;
     if (std::isnan(plane[3])) return;
     const int axis = mainAxis(plane);
     if (isBehind(cell, axis, -1) || isBehind(cell, axis, 1)) return;
     Surfel surfel;
-    surfel.key = tile << 3 * kLevel | key;
+    surfel.key = key;
     surfel.normal = plane.head<3>();
-    for (std::size_t i = 0; i < 3; ++i) {
-      surfel.position[static_cast<int>(i)] = static_cast<float>(corner_[i] + at[i]) + 0.5F;
-    }
+    const auto n = static_cast<int>(cell);
+    surfel.position = {static_cast<float>(corner_[0] + n % kEdge) + 0.5F,
+                       static_cast<float>(corner_[1] + n / kEdge % kEdge) + 0.5F,
+                       static_cast<float>(corner_[2] + n / (kEdge * kEdge)) + 0.5F};
     surfel.position[axis] += plane[3];
     surfel.position *= edge;
-    surfel.slowness = std::sqrt(weights_[cell] / trusts_[cell]);
+    surfel.slowness = std::sqrt(blends_[cell].weight / blends_[cell].trust);
     surfels->push_back(surfel);
   }
 
@@ -182,17 +210,17 @@ class TileGrid {
   bool isBehind(std::size_t cell, int axis, int side) const {
     const auto next = static_cast<std::size_t>(static_cast<int>(cell) +
                                                side * kStrides[static_cast<std::size_t>(axis)]);
-    const Eigen::Array4f& plane = planes_[next];
-    if (trusts_[next] == 0.0F || std::isnan(plane[3]) || mainAxis(plane) != axis) return false;
-    const float here = std::abs(planes_[cell][3]);
+    const Eigen::Array4f& plane = blends_[next].plane;
+    if (blends_[next].trust == 0.0F || std::isnan(plane[3]) || mainAxis(plane) != axis) {
+      return false;
+    }
+    const float here = std::abs(blends_[cell].plane[3]);
     const float there = std::abs(plane[3]);
     return there < here || (there == here && side > 0);
   }
 
-  std::array<int, 3> corner_{};         // least cell, from the origin
-  std::vector<Eigen::Array4f> planes_;  // weighted sums of normals and offsets from cells' middles
-  std::vector<float> weights_;
-  std::vector<float> trusts_;  // 0 where no piece came
+  std::array<int, 3> corner_{};  // least cell, from the origin
+  std::vector<Blend> blends_;
   std::vector<uint16_t> touched_;
 };
 
@@ -248,7 +276,7 @@ std::vector<Surfel> blendSurface(const std::vector<SurfaceFit>& pieces, int leve
   }
   firsts.push_back(entries.size());
   // Runs of tiles give runs of surfels, whoever works on them.
-  constexpr std::size_t kRun = 32;
+  constexpr std::size_t kRun = 8;
   const std::size_t tiles = firsts.size() - 1;
   std::vector<std::vector<Surfel>> runs((tiles + kRun - 1) / kRun);
   parallelFor(pool, runs.size(), 1, [&](std::size_t begin, std::size_t end) {

@@ -26,7 +26,7 @@ using Clock = std::chrono::steady_clock;
 // Samples on a surface of area A have the mean spacing a with A = 0.8 a^2 a sample.
 constexpr double kAreaPerSample = 0.8;
 // About three and a half cells a sample: fewer would show in the places of samples.
-constexpr double kCellPerSpacing = 0.45;
+constexpr double kCellPerSpacing = 0.60;
 // The random start's distance, in spacings: large enough that most samples are put in by the
 // rounds, small enough that few long fronts are run.
 constexpr float kFirstRadiusPerSpacing = 2.4F;

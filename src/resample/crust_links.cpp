@@ -12,11 +12,6 @@
 namespace ladar_perception {
 namespace {
 
-// Cells with nearly the same normal are on one surface if the one lies near the other's plane, in
-// edges of the larger cell; cells with other normals meet at an edge or a corner.
-constexpr float kSameNormal = 0.7F;
-constexpr float kPlaneOffset = 0.7F;
-
 /// Steps in a block to the 27 cells around one, itself included, x fastest.
 constexpr std::array<int, 27> stepsInBlock() {
   std::array<int, 27> steps{};
@@ -95,10 +90,11 @@ class Linker {
     uint32_t b;
   };
 
-  /// Links to cells of this size that come later, and to larger ones.
+  /// Links to half of the neighbours of this size, which do not find this one, and to larger ones.
   void linkBrick(std::size_t level, std::size_t brick, SparseGrid::Block* block,
                  std::vector<Link>* links) const {
     const SparseGrid& grid = grids_[level];
+    const std::vector<uint32_t>& numbers = numbers_[level];
     grid.gather(brick, block);
     const uint32_t end = grid.brickEnd(brick);
     for (uint32_t i = grid.bricks()[brick].first; i < end; ++i) {
@@ -106,14 +102,15 @@ class Linker {
       const int middle =
           SparseGrid::blockIndex(static_cast<int>(morton::x(bit)), static_cast<int>(morton::y(bit)),
                                  static_cast<int>(morton::z(bit)));
-      const uint32_t cell = numbers_[level][i];
+      for (std::size_t step = kSteps.size() / 2 + 1; step < kSteps.size(); ++step) {
+        const uint32_t other = (*block)[static_cast<std::size_t>(middle + kSteps[step])];
+        if (other != kNoIndex) links->push_back({numbers[i], numbers[other]});
+      }
+      if (level + 1 == grids_.size()) continue;
       const std::size_t first_link = links->size();
       for (std::size_t step = 0; step < kSteps.size(); ++step) {
-        const uint32_t other = (*block)[static_cast<std::size_t>(middle + kSteps[step])];
-        if (other == kNoIndex) {
-          if (level + 1 < grids_.size()) linkAbove(cell, level, i, step, first_link, links);
-        } else if (other > i) {
-          link(cell, numbers_[level][other], links);
+        if ((*block)[static_cast<std::size_t>(middle + kSteps[step])] == kNoIndex) {
+          linkAbove(numbers[i], level, i, step, first_link, links);
         }
       }
     }
@@ -133,23 +130,10 @@ class Linker {
       const uint32_t number = numbers_[above][other];
       const auto begin = links->begin() + static_cast<std::ptrdiff_t>(first_link);
       if (std::none_of(begin, links->end(), [&](const Link& l) { return l.b == number; })) {
-        link(cell, number, links);
+        links->push_back({cell, number});
       }
       return;
     }
-  }
-
-  void link(uint32_t a, uint32_t b, std::vector<Link>* links) const {
-    const Eigen::Vector3f d = crust_->positions[b] - crust_->positions[a];
-    const Eigen::Vector3f& na = crust_->normals[a];
-    const Eigen::Vector3f& nb = crust_->normals[b];
-    const float cosine = na.dot(nb);
-    if (cosine < -kSameNormal) return;  // the two sides of a thin wall
-    if (cosine > kSameNormal) {
-      const float reach = kPlaneOffset * std::max(crust_->edge(a), crust_->edge(b));
-      if (std::abs(na.dot(d)) > reach && std::abs(nb.dot(d)) > reach) return;
-    }
-    links->push_back({a, b});
   }
 
   /// Every link is one of both cells.

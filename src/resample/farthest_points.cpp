@@ -17,9 +17,9 @@ namespace {
 // The radius falls by this from round to round; the last ones, by a smaller step, decide on places.
 constexpr float kFirstStep = 0.8F;
 constexpr float kLastStep = 0.9F;
-constexpr float kLastRounds = 0.45F;  // of the first radius
+constexpr float kLastRounds = 0.4F;  // of the first radius
 // Vertices lie up to half a cell from the cells around them, whose times are less by as much.
-constexpr float kVertexSlack = 0.6F;
+constexpr float kVertexSlack = 0.45F;
 // No count is reached by going on below this radius: there are no more cells.
 constexpr float kLeastRadius = 0.35F;
 
@@ -68,14 +68,20 @@ class Chooser {
         pool_(pool),
         tiles_(field->crust->keys, tileLevel(*field->crust, goal.first_radius)),
         bounds_(field->crust->size(), std::numeric_limits<float>::infinity()),
+        slack_(field->crust->size()),
+        taken_(field->crust->size(), 0),
         chosen_(tiles_.size()),
-        fronts_(static_cast<std::size_t>(pool->size()), Fronts<Metric>(field)) {}
+        fronts_(static_cast<std::size_t>(pool->size()), Fronts<Metric>(field)) {
+    for (std::size_t i = 0; i < slack_.size(); ++i) {
+      slack_[i] = kVertexSlack * field->crust->edge(i) * field->nodes[i].slowness;
+    }
+  }
 
   SampleSet run(const SampleSet& before) {
     field_->reset(goal_.first_radius);
     set_ = before;
     for (std::size_t i = 0; i < before.size(); ++i) {
-      fronts_[0].insert(before.cells[i], before.positions[i]);
+      insert(&fronts_[0], before.cells[i], before.positions[i]);
     }
     start();
     orderStart();
@@ -91,6 +97,12 @@ class Chooser {
   }
 
  private:
+  void insert(Fronts<Metric>* fronts, uint32_t cell, const Eigen::Vector3f& position) {
+    fronts->insert(cell, position);
+    taken_[cell] = 1;
+    bounds_[cell] = 0.0F;  // never again
+  }
+
   bool done(float radius) const {
     if (goal_.count > 0 && set_.size() >= goal_.count) return true;
     if (goal_.radius > 0 && radius <= goal_.radius) return true;
@@ -104,7 +116,7 @@ class Chooser {
       for (uint32_t n = tile.first; n < tile.end; ++n) {
         const uint32_t cell = tile.first + order.next();
         if (field_->arrivals[cell].time < goal_.first_radius) continue;
-        fronts_[static_cast<std::size_t>(thread)].insert(cell, field_->crust->positions[cell]);
+        insert(&fronts_[static_cast<std::size_t>(thread)], cell, field_->crust->positions[cell]);
         chosen_[i].push_back({cell, goal_.first_radius});
       }
     });
@@ -121,7 +133,7 @@ class Chooser {
     for (const uint32_t cell : cells) places.push_back(placeOf(cell));
     std::vector<WeightedPlace> witnesses;
     for (uint32_t cell = 0; cell < field_->crust->size(); ++cell) {
-      if (field_->arrivals[cell].time > 0.75F * goal_.first_radius && isLatest(*field_, cell)) {
+      if (field_->arrivals[cell].time > 0.85F * goal_.first_radius && isLatest(*field_, cell)) {
         witnesses.push_back({field_->crust->positions[cell], field_->crust->slowness[cell]});
       }
     }
@@ -181,9 +193,28 @@ class Chooser {
       const VoronoiVertex vertex = findVertex(*field_, cell);
       bounds_[cell] = vertex.time;
       if (vertex.time < radius) continue;
-      fronts->insert(cell, vertex.position);
+      bounds_[cell] = std::min(vertex.time, nearestAround(cell, vertex.position));
+      if (bounds_[cell] < radius) continue;
+      insert(fronts, cell, vertex.position);
       chosen_[i].push_back({cell, vertex.time});
     }
+  }
+
+  /// Time to a place from the samples in a cell's neighbours and theirs. Where cells are few, the
+  /// nearest sample may be one whose front did not come to the cell.
+  float nearestAround(uint32_t cell, const Eigen::Vector3f& place) const {
+    const Crust& crust = *field_->crust;
+    float time = std::numeric_limits<float>::infinity();
+    for (uint32_t k = crust.first_neighbor[cell]; k < crust.first_neighbor[cell + 1]; ++k) {
+      const uint32_t side = crust.neighbors[k];
+      for (uint32_t n = crust.first_neighbor[side]; n < crust.first_neighbor[side + 1]; ++n) {
+        const uint32_t near = crust.neighbors[n];
+        if (taken_[near] == 0) continue;
+        const float slowness = 0.5F * (field_->nodes[cell].slowness + field_->nodes[near].slowness);
+        time = std::min(time, (field_->samples[near] - place).norm() * slowness);
+      }
+    }
+    return time;
   }
 
   float latest() const {
@@ -196,7 +227,9 @@ class Chooser {
   FarthestPointsGoal goal_;
   ThreadPool* pool_;
   Tiles tiles_;
-  std::vector<float> bounds_;  // of the time of the vertex near a cell: it can only fall
+  std::vector<float> bounds_;   // of the time of the vertex near a cell: it can only fall
+  std::vector<float> slack_;    // how much later than a cell its vertex may be
+  std::vector<uint8_t> taken_;  // cells with a sample
   std::vector<std::vector<Choice>> chosen_;  // by tile, in this round
   std::vector<Fronts<Metric>> fronts_;       // by thread
   SampleSet set_;

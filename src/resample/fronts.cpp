@@ -45,7 +45,11 @@ float throughTwo(float r_a, float r_b, float ab, float ac, float bc) {
   const float run = cell_x - source_x;
   const float crossing = source_x + run * source_y / height;
   if (crossing < 0.0F || crossing > ab) return kNever;
-  return std::sqrt(run * run + height * height);
+  const float distance = std::sqrt(run * run + height * height);
+  // Earlier than one of the two it would not come from them. Where the slowness varies fronts are
+  // flatter than their virtual source has it, and such times would lower those of the neighbours,
+  // these again the cell's, and so on.
+  return distance >= std::max(r_a, r_b) ? distance : kNever;
 }
 
 class EikonalUpdate {

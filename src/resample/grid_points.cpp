@@ -80,8 +80,8 @@ Eigen::Vector3d gridOrigin(const std::vector<Eigen::Vector3d>& positions_m, doub
 
 double estimateArea(const GridPoints& points, const std::vector<float>& weights) {
   constexpr uint32_t kEnough = 4;
-  // A plane through a grid of cubes meets 1 to 1.7 of them for every one's face, and the least cubes
-  // with enough points leave gaps: measured on clouds of ladars and on planes.
+  // A plane through a grid of cubes meets 1 to 1.7 of them for every one's face, and the least
+  // cubes with enough points leave gaps: measured on clouds of ladars and on planes.
   constexpr double kCubesPerFace = 0.95;
   std::vector<CubeCount> cubes;
   cubes.reserve(points.size());

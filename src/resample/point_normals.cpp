@@ -16,8 +16,8 @@ class LevelNormals {
  public:
   LevelNormals(const VoxelLevel& level, int number, const Eigen::Vector3f& sensor, ThreadPool* pool)
       : level_(level), normals_(level.grid.size(), Eigen::Vector3f::Zero()) {
-    const std::vector<uint8_t> all(level.grid.size(), 1);
-    const std::vector<PointSums> sums = sumNeighborhoods(level, number, all, pool);
+    std::vector<uint8_t> all(level.grid.size(), 1);
+    const std::vector<PointSums> sums = sumNeighborhoods(level, number, false, &all, pool);
     parallelFor(pool, sums.size(), 2048, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         if (sums[i].count < kPlanePoints) continue;

@@ -163,7 +163,7 @@ bool PoseKeeper::joins(const PlacedScan& scan) const {
   const Eigen::Quaterniond turned(T_map_last_.linear().transpose() * scan.T_map_vehicle.linear());
   const double angle_rad = 2.0 * std::atan2(turned.vec().norm(), std::abs(turned.w()));
   const double elapsed_s =
-      static_cast<double>(static_cast<int64_t>(scan.stamp_ns - last_stamp_ns_)) * 1e-9;
+      static_cast<double>(static_cast<int64_t>(scan.stamp_ns - last_stamp_ns_)) / 1e9;
   return reached(distance_m, config_.pose_distance_m) ||
          reached(angle_rad, config_.pose_angle_deg * kRadians) ||
          reached(elapsed_s, config_.pose_period_s);

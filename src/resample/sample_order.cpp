@@ -9,7 +9,7 @@
 namespace ladar_perception {
 namespace {
 
-constexpr std::size_t kBucket = 32;
+constexpr std::size_t kBucket = 16;
 constexpr float kChosen = -1.0F;
 
 /// Distances of places to the chosen ones, in buckets with a box and the greatest of each.

@@ -13,9 +13,9 @@ namespace {
 
 // A uniform sampling of a square of half-width b has the standard deviation b / sqrt(3): 1.5 of
 // them stay inside the square, so that crusts end where the points end.
-constexpr float kSemiAxisPerDeviation = 1.5F;
+constexpr float kSemiAxisPerDeviation = 2.0F;
 // Pieces of neighbouring voxels overlap by this (in voxels); larger ones would round off edges.
-constexpr float kLargestSemiAxis = 1.3F;
+constexpr float kLargestSemiAxis = 1.5F;
 // Narrower pieces could slip through between the centres of cells.
 constexpr float kLeastSemiAxis = 0.75F;
 // Points are on a line if the second eigenvalue is below this part of the first.
@@ -57,8 +57,7 @@ class Fitter {
     std::vector<uint8_t> now = wanted;
     if (now.empty()) now.assign(pyramid_.level(base_).grid.size(), 1);
     for (int level = base_; level < pyramid_.levels() && level <= base_ + kBridgeLevels; ++level) {
-      thinOut(level, &now);
-      fitLevel(level, now);
+      fitLevel(level, &now);
       if (level + 1 < pyramid_.levels()) now = parentsOfUnfinished(level);
     }
     addLeftOver();
@@ -66,37 +65,10 @@ class Fitter {
   }
 
  private:
-  /// Pieces overlap: where wanted voxels lie side by side, every other one is enough.
-  void thinOut(int level, std::vector<uint8_t>* wanted) const {
-    constexpr int kSidesEnough = 3;
-    const SparseGrid& grid = pyramid_.level(level).grid;
-    SparseGrid::Block block;
-    for (std::size_t brick = 0; brick < grid.bricks().size(); ++brick) {
-      const uint32_t end = grid.brickEnd(brick);
-      grid.gather(brick, &block);
-      uint64_t mask = grid.bricks()[brick].mask;
-      for (uint32_t i = grid.bricks()[brick].first; i < end; ++i, mask &= mask - 1) {
-        const auto bit = static_cast<uint64_t>(__builtin_ctzll(mask));
-        const int x = static_cast<int>(morton::x(bit));
-        const int y = static_cast<int>(morton::y(bit));
-        const int z = static_cast<int>(morton::z(bit));
-        if ((*wanted)[i] == 0 || ((x ^ y ^ z) & 1) == 0) continue;
-        const auto held = [&](int dx, int dy, int dz) {
-          const uint32_t other =
-              block[static_cast<std::size_t>(SparseGrid::blockIndex(x + dx, y + dy, z + dz))];
-          // Sides of an odd voxel are even: none of them has been taken out.
-          return other != kNoIndex && (*wanted)[other] != 0 ? 1 : 0;
-        };
-        const int sides = held(-1, 0, 0) + held(1, 0, 0) + held(0, -1, 0) + held(0, 1, 0) +
-                          held(0, 0, -1) + held(0, 0, 1);
-        if (sides >= kSidesEnough) (*wanted)[i] = 0;
-      }
-    }
-  }
-
-  void fitLevel(int level, const std::vector<uint8_t>& wanted) {
+  /// Pieces overlap: some of the wanted voxels are left out.
+  void fitLevel(int level, std::vector<uint8_t>* wanted) {
     const VoxelLevel& voxels = pyramid_.level(level);
-    const std::vector<PointSums> sums = sumNeighborhoods(voxels, level, wanted, pool_);
+    const std::vector<PointSums> sums = sumNeighborhoods(voxels, level, true, wanted, pool_);
     std::vector<SurfaceFit> fits(voxels.grid.size());
     fates_.emplace_back(voxels.grid.size(), Fate::kNotWanted);
     std::vector<Fate>& fates = fates_.back();
@@ -105,7 +77,7 @@ class Fitter {
         const Eigen::Vector3f center = brickCenter(voxels.grid.bricks()[brick].key, level);
         const uint32_t last = voxels.grid.brickEnd(brick);
         for (uint32_t i = voxels.grid.bricks()[brick].first; i < last; ++i) {
-          if (wanted[i] == 0) continue;
+          if ((*wanted)[i] == 0) continue;
           fates[i] = fit(sums[i], center, level, &fits[i]);
           fits[i].weight = voxels.sums[i].weight / voxels.sums[i].count;
         }
@@ -185,52 +157,77 @@ class Fitter {
 /// Adds up the 27 voxels around every wanted one of a brick.
 class BrickSums {
  public:
-  BrickSums(const VoxelLevel& level, int level_number) : level_(level), number_(level_number) {}
+  BrickSums(const VoxelLevel& level, int level_number)
+      : level_(level), brick_edge_(static_cast<float>(4 << level_number)) {}
 
-  void add(std::size_t brick, const std::vector<uint8_t>& wanted, std::vector<PointSums>* out) {
+  void add(std::size_t brick, bool thin_out, std::vector<uint8_t>* wanted,
+           std::vector<PointSums>* out) {
     const SparseGrid::Brick& here = level_.grid.bricks()[brick];
     const uint32_t end = level_.grid.brickEnd(brick);
-    if (std::none_of(wanted.begin() + here.first, wanted.begin() + end,
+    if (std::none_of(wanted->begin() + here.first, wanted->begin() + end,
                      [](uint8_t flag) { return flag != 0; })) {
       return;
     }
     level_.grid.gather(brick, &block_);
-    gatherSums(here, end);
+    gatherSums();
     uint64_t mask = here.mask;
     for (uint32_t i = here.first; i < end; ++i, mask &= mask - 1) {
-      if (wanted[i] == 0) continue;
+      if ((*wanted)[i] == 0) continue;
       const auto bit = static_cast<uint64_t>(__builtin_ctzll(mask));
-      (*out)[i] = around(static_cast<int>(morton::x(bit)), static_cast<int>(morton::y(bit)),
-                         static_cast<int>(morton::z(bit)));
-    }
-  }
-
- private:
-  /// The voxels of the block side by side, all about this brick's centre.
-  void gatherSums(const SparseGrid::Brick& here, uint32_t end) {
-    sums_.clear();
-    const Eigen::Vector3f center = brickCenter(here.key, number_);
-    for (std::size_t place = 0; place < block_.size(); ++place) {
-      const uint32_t i = block_[place];
-      if (i == kNoIndex) continue;
-      places_[place] = static_cast<uint8_t>(sums_.size());
-      if (i >= here.first && i < end) {
-        sums_.push_back(level_.sums[i]);
+      const auto x = static_cast<int>(morton::x(bit));
+      const auto y = static_cast<int>(morton::y(bit));
+      const auto z = static_cast<int>(morton::z(bit));
+      const int place = SparseGrid::blockIndex(x, y, z);
+      if (thin_out && ((x ^ y ^ z) & 1) != 0 && isCovered(place, *wanted)) {
+        (*wanted)[i] = 0;
       } else {
-        const Eigen::Vector3f other = brickCenter(level_.grid.keys()[i] >> 6, number_);
-        sums_.push_back(level_.sums[i].movedBy(other - center));
+        (*out)[i] = around(place);
       }
     }
   }
 
-  PointSums around(int x, int y, int z) const {
+ private:
+  static constexpr int kRow = SparseGrid::kBlockEdge;
+  static constexpr int kLayer = kRow * kRow;
+
+  /// The voxels of the block side by side, all about this brick's centre.
+  void gatherSums() {
+    sums_.clear();
+    std::size_t place = 0;
+    const auto bricksOff = [this](int at) {
+      return at == 0 ? -brick_edge_ : at == kRow - 1 ? brick_edge_ : 0.0F;
+    };
+    for (int z = 0; z < kRow; ++z) {
+      for (int y = 0; y < kRow; ++y) {
+        for (int x = 0; x < kRow; ++x, ++place) {
+          const uint32_t i = block_[place];
+          if (i == kNoIndex) continue;
+          places_[place] = static_cast<uint8_t>(sums_.size());
+          const Eigen::Vector3f offset(bricksOff(x), bricksOff(y), bricksOff(z));
+          sums_.push_back(offset.isZero(0.0F) ? level_.sums[i] : level_.sums[i].movedBy(offset));
+        }
+      }
+    }
+  }
+
+  /// Of an odd voxel: whether three of its sides, which are even and never left out, are wanted.
+  bool isCovered(int place, const std::vector<uint8_t>& wanted) const {
+    constexpr int kSidesEnough = 3;
+    int sides = 0;
+    for (const int step : {-1, 1, -kRow, kRow, -kLayer, kLayer}) {
+      const uint32_t other = block_[static_cast<std::size_t>(place + step)];
+      sides += other != kNoIndex && wanted[other] != 0 ? 1 : 0;
+    }
+    return sides >= kSidesEnough;
+  }
+
+  PointSums around(int place) const {
     PointSums sum;
-    for (int dz = -1; dz <= 1; ++dz) {
-      for (int dy = -1; dy <= 1; ++dy) {
-        const int row = SparseGrid::blockIndex(x - 1, y + dy, z + dz);
-        for (int dx = 0; dx < 3; ++dx) {
-          const auto place = static_cast<std::size_t>(row + dx);
-          if (block_[place] != kNoIndex) sum.add(sums_[places_[place]]);
+    for (int layer = place - kLayer; layer <= place + kLayer; layer += kLayer) {
+      for (int row = layer - kRow; row <= layer + kRow; row += kRow) {
+        for (int at = row - 1; at <= row + 1; ++at) {
+          const auto n = static_cast<std::size_t>(at);
+          if (block_[n] != kNoIndex) sum.add(sums_[places_[n]]);
         }
       }
     }
@@ -238,7 +235,7 @@ class BrickSums {
   }
 
   const VoxelLevel& level_;
-  int number_;
+  float brick_edge_;
   SparseGrid::Block block_;
   std::array<uint8_t, SparseGrid::kBlockCells> places_;
   std::vector<PointSums> sums_;
@@ -264,12 +261,13 @@ PlaneFit fitPlane(const PointSums& sums) {
   return fit;
 }
 
-std::vector<PointSums> sumNeighborhoods(const VoxelLevel& level, int level_number,
-                                        const std::vector<uint8_t>& wanted, ThreadPool* pool) {
+std::vector<PointSums> sumNeighborhoods(const VoxelLevel& level, int level_number, bool thin_out,
+                                        std::vector<uint8_t>* wanted, ThreadPool* pool) {
   std::vector<PointSums> sums(level.grid.size());
   parallelFor(pool, level.grid.bricks().size(), 256, [&](std::size_t begin, std::size_t end) {
     BrickSums bricks(level, level_number);
-    for (std::size_t brick = begin; brick < end; ++brick) bricks.add(brick, wanted, &sums);
+    for (std::size_t brick = begin; brick < end; ++brick)
+      bricks.add(brick, thin_out, wanted, &sums);
   });
   return sums;
 }

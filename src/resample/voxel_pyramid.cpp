@@ -11,6 +11,7 @@ VoxelLevel groupPoints(const GridPoints& points, const std::vector<float>& weigh
   std::vector<uint64_t> keys;
   keys.reserve(points.size());
   level.sums.reserve(points.size());
+  level.first_child.reserve(points.size());
   uint64_t brick = ~uint64_t{0};
   Eigen::Vector3f center = Eigen::Vector3f::Zero();
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -37,6 +38,8 @@ VoxelLevel groupVoxels(const VoxelLevel& below, int below_level) {
   VoxelLevel level;
   std::vector<uint64_t> keys;
   const std::vector<uint64_t>& child_keys = below.grid.keys();
+  uint64_t brick = ~uint64_t{0};
+  Eigen::Vector3f offset = Eigen::Vector3f::Zero();
   for (std::size_t i = 0; i < child_keys.size(); ++i) {
     const uint64_t key = child_keys[i] >> 3;
     if (keys.empty() || keys.back() != key) {
@@ -45,8 +48,10 @@ VoxelLevel groupVoxels(const VoxelLevel& below, int below_level) {
       level.first_child.push_back(static_cast<uint32_t>(i));
       level.first_point.push_back(below.first_point[i]);
     }
-    const Eigen::Vector3f offset =
-        brickCenter(child_keys[i] >> 6, below_level) - brickCenter(key >> 6, below_level + 1);
+    if (child_keys[i] >> 6 != brick) {
+      brick = child_keys[i] >> 6;
+      offset = brickCenter(brick, below_level) - brickCenter(key >> 6, below_level + 1);
+    }
     level.sums.back().add(below.sums[i].movedBy(offset));
   }
   level.first_point.push_back(below.first_point.back());

@@ -195,11 +195,11 @@ void PoseResamplerNode::reportScanDrop(const sensor_msgs::PointCloud2& scan, Sca
   {
     const std::lock_guard<std::mutex> lock(statistics_mutex_);
     statistics_.addScanDrop(scan, reason);
+    if (!scan_warnings_.opens(reason)) return;
   }
-  ROS_WARN_THROTTLE(kWarningPeriod_s,
-                    "pose_resampler: scan on '%s' at %.3f s in frame '%s' dropped, %s: %s",
-                    handle_.resolveName("points").c_str(), scan.header.stamp.toSec(),
-                    scan.header.frame_id.c_str(), scanDropName(reason), detail.c_str());
+  ROS_WARN("pose_resampler: scan on '%s' at %.3f s in frame '%s' dropped, %s: %s",
+           handle_.resolveName("points").c_str(), scan.header.stamp.toSec(),
+           scan.header.frame_id.c_str(), scanDropName(reason), detail.c_str());
 }
 
 void PoseResamplerNode::resample() {
@@ -218,9 +218,8 @@ void PoseResamplerNode::resamplePose(const CollectedPose& pose) {
   const ResampledCloud samples = resampler_.resample(pose.pose.points, policies_);
   if (samples.size() == 0) {
     reportPoseDrop(pose, PoseDrop::kNoSamples,
-                   std::to_string(samples.points_finite) + " points, no part of " +
-                       std::to_string(config_.resampler.min_component_points) +
-                       " points (min_component_points)");
+                   "of " + std::to_string(samples.points_finite) + " points in " +
+                       std::to_string(samples.dropped_components) + " parts, none is large enough");
     return;
   }
   publish(pose, samples);
@@ -264,11 +263,11 @@ void PoseResamplerNode::reportPoseDrop(const CollectedPose& pose, PoseDrop reaso
   {
     const std::lock_guard<std::mutex> lock(statistics_mutex_);
     statistics_.addPoseDrop(pose.pose.id, reason);
+    if (!pose_warnings_.opens(reason)) return;
   }
-  ROS_WARN_THROTTLE(kWarningPeriod_s, "pose_resampler: pose %lu of '%s' at %.3f s dropped, %s: %s",
-                    static_cast<unsigned long>(pose.pose.id), handle_.resolveName("points").c_str(),
-                    static_cast<double>(pose.pose.stamp_ns) * 1e-9, poseDropName(reason),
-                    detail.c_str());
+  ROS_WARN("pose_resampler: pose %lu of '%s' at %.3f s dropped, %s: %s",
+           static_cast<unsigned long>(pose.pose.id), handle_.resolveName("points").c_str(),
+           static_cast<double>(pose.pose.stamp_ns) * 1e-9, poseDropName(reason), detail.c_str());
 }
 
 PoseResamplerStatistics PoseResamplerNode::statisticsMessage() {

@@ -19,6 +19,7 @@
 #include "odometry_log.h"
 #include "pose_collector.h"
 #include "pose_statistics.h"
+#include "warning_gate.h"
 
 namespace ladar_perception {
 
@@ -81,8 +82,10 @@ class PoseResamplerNode {
   std::atomic<bool> add_pose_requested_{false};
   std::atomic<bool> reset_requested_{false};
 
-  std::mutex statistics_mutex_;  // guards the four below
+  std::mutex statistics_mutex_;  // guards the six below
   PoseStatisticsLog statistics_;
+  WarningGate<kScanDrops> scan_warnings_;
+  WarningGate<kPoseDrops> pose_warnings_;
   uint64_t diagnosed_scans_ = 0;
   uint64_t diagnosed_scan_drops_ = 0;
   uint64_t diagnosed_pose_drops_ = 0;

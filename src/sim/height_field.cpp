@@ -197,4 +197,54 @@ double HeightField::intersectCell(const Ray& ray, int ix, int iy, double t_in, d
   return s <= t_out - t_in + 1e-9 ? t_in + s : kMiss;
 }
 
+double HeightField::nearest(const Eigen::Vector3d& p, double limit_m,
+                            Eigen::Vector3d* nearest) const {
+  if (cells_ == 0) return kMiss;
+  // The ground below or above is one candidate, so only cells nearer than it are looked at.
+  const double x = std::clamp(p.x(), -half_size_m_, half_size_m_);
+  const double y = std::clamp(p.y(), -half_size_m_, half_size_m_);
+  Eigen::Vector3d best(x, y, height(x, y));
+  double distance_m = (best - p).norm();
+  const double reach_m = std::min(distance_m, limit_m);
+  const auto cellOf = [&](double at) {
+    return static_cast<int>(std::clamp((at + half_size_m_) / kCellM, 0.0, cells_ - 1.0));
+  };
+  for (int iy = cellOf(p.y() - reach_m); iy <= cellOf(p.y() + reach_m); ++iy) {
+    for (int ix = cellOf(p.x() - reach_m); ix <= cellOf(p.x() + reach_m); ++ix) {
+      const Eigen::Vector3d candidate = nearestInCell(p, ix, iy);
+      if ((candidate - p).norm() >= distance_m) continue;
+      distance_m = (candidate - p).norm();
+      best = candidate;
+    }
+  }
+  if (distance_m >= limit_m) return kMiss;
+  *nearest = best;
+  return distance_m;
+}
+
+Eigen::Vector3d HeightField::nearestInCell(const Eigen::Vector3d& p, int ix, int iy) const {
+  const Patch patch_here = patch(ix, iy);
+  const double low_x = ix * kCellM - half_size_m_;
+  const double low_y = iy * kCellM - half_size_m_;
+  double u = std::clamp((p.x() - low_x) / kCellM, 0.0, 1.0);
+  double v = std::clamp((p.y() - low_y) / kCellM, 0.0, 1.0);
+  const auto at = [&](double u_at, double v_at) {
+    return Eigen::Vector3d(low_x + kCellM * u_at, low_y + kCellM * v_at,
+                           patch_here.h00 + patch_here.dx * u_at + patch_here.dy * v_at +
+                               patch_here.dxy * u_at * v_at);
+  };
+  // One coordinate at a time: along it the patch is a straight line, whose foot is exact.
+  constexpr int kRounds = 12;
+  for (int i = 0; i < kRounds; ++i) {
+    for (double* coordinate : {&u, &v}) {
+      *coordinate = 0.0;
+      const Eigen::Vector3d from = at(u, v);
+      *coordinate = 1.0;
+      const Eigen::Vector3d along = at(u, v) - from;
+      *coordinate = std::clamp(along.dot(p - from) / along.squaredNorm(), 0.0, 1.0);
+    }
+  }
+  return at(u, v);
+}
+
 }  // namespace ladar_perception::sim

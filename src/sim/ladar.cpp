@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "panes.h"
+
 namespace ladar_perception::sim {
 namespace {
 
@@ -13,9 +15,6 @@ constexpr double kPi = 3.141592653589793;
 constexpr double kRadPerDeg = kPi / 180.0;
 // Depths closer than this are one surface to the receiver.
 constexpr double kSameDepthM = 0.12;
-
-constexpr int kMaxPanes = 4;
-constexpr double kPaneM = 0.02;
 
 /// Direction turned by small angles left and up.
 Eigen::Vector3d deflect(const Eigen::Vector3d& direction, double left_rad, double up_rad) {
@@ -184,17 +183,9 @@ Hit Ladar::cast(const Eigen::Isometry3d& T_odom_ladar, const Eigen::Vector3d& di
   // Beyond the last range by a few sigma, so that noise can bring a return into range.
   const double limit_m = config_.max_range_m + 4.0 * config_.range_sigma_m;
   const Eigen::Vector3d direction = T_odom_ladar.linear() * direction_ladar;
-  double passed_m = 0.0;
-  for (int pane = 0; pane < kMaxPanes; ++pane) {
-    const Eigen::Vector3d origin = T_odom_ladar.translation() + passed_m * direction;
-    Hit hit = scene_.castRay({origin, direction}, limit_m - passed_m);
-    if (!hit.valid()) return hit;
-    hit.range += passed_m;
-    const double transmission = propertiesOf(hit.material).transmission;
-    if (transmission == 0.0 || !random->chance(transmission)) return hit;
-    passed_m = hit.range + kPaneM;
-  }
-  return Hit();
+  return castThroughPanes(
+      {T_odom_ladar.translation(), direction}, limit_m,
+      [&](const Ray& ray, double ray_limit_m) { return scene_.castRay(ray, ray_limit_m); }, random);
 }
 
 Ladar::Echo Ladar::receive(Rays* hits, Random* random) const {

@@ -11,6 +11,7 @@ namespace ladar_perception::sim {
 namespace {
 
 constexpr uint32_t kNothing = 0xfffffffe;
+constexpr uint32_t kBoxSides = 6;
 
 /// Names the patch of 0.1 m that a point of a large surface lies in, for its colour.
 uint64_t patchKey(const Eigen::Vector3d& p) {
@@ -30,6 +31,8 @@ uint32_t Scene::addModel(std::vector<Primitive> primitives) {
   std::vector<Bounds> parts;
   parts.reserve(primitives.size());
   for (const Primitive& primitive : primitives) {
+    model.boxes_before.push_back(model.boxes);
+    if (primitive.shape == Shape::kBox) ++model.boxes;
     parts.push_back(boundsOf(primitive));
     model.bounds.add(parts.back());
     model.reach = std::max(model.reach, reachOf(parts.back()));
@@ -42,7 +45,8 @@ uint32_t Scene::addModel(std::vector<Primitive> primitives) {
 
 void Scene::place(uint32_t model, const Placement& placement) {
   instances_.push_back({placement.p_world, std::cos(placement.yaw_rad), std::sin(placement.yaw_rad),
-                        placement.scale, model});
+                        placement.scale, model, next_face_});
+  next_face_ += kBoxSides * models_[model].boxes;
 }
 
 void Scene::finish() {
@@ -101,6 +105,10 @@ Scene::Nearest Scene::nearestGround(const Ray& ray, double t_limit, bool with_gr
 }
 
 Hit Scene::castRay(const Ray& ray, double t_limit, bool with_ground) const {
+  return describe(ray, nearestHit(ray, t_limit, with_ground));
+}
+
+Scene::Nearest Scene::nearestHit(const Ray& ray, double t_limit, bool with_ground) const {
   Nearest nearest = nearestGround(ray, t_limit, with_ground);
   tree_.traverse(ray, nearest.t, [&](uint32_t i) {
     const Instance& instance = instances_[i];
@@ -109,7 +117,7 @@ Hit Scene::castRay(const Ray& ray, double t_limit, bool with_ground) const {
     model.tree.traverse(local, nearest.t,
                         [&](uint32_t k) { test(model.primitives[k], local, i, k, &nearest); });
   });
-  return describe(ray, nearest);
+  return nearest;
 }
 
 Hit Scene::castRayBruteForce(const Ray& ray, double t_limit, bool with_ground) const {

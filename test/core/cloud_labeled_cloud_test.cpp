@@ -155,5 +155,26 @@ TEST_P(WriteLabeledCloud, EmptyClouds) {
 INSTANTIATE_TEST_SUITE_P(ByteOrders, WriteLabeledCloud, testing::Bool(),
                          [](const auto& order) { return order.param ? "big" : "little"; });
 
+TEST(LabeledCloud, TheCamerasColorIsNotTheClasss) {
+  CloudLayout raw;
+  EXPECT_EQ(cameraColorField(raw), nullptr);
+  raw.append("rgb", ScalarType::kFloat32);
+  ASSERT_NE(cameraColorField(raw), nullptr);
+  EXPECT_EQ(cameraColorField(raw)->name, "rgb");
+  const CloudLayout labeled = labeledLayout(raw);
+  ASSERT_NE(cameraColorField(labeled), nullptr);
+  EXPECT_EQ(cameraColorField(labeled)->name, "rgb_input");
+  EXPECT_EQ(cameraColorField(labeledLayout({})), nullptr) << "of a cloud without colours";
+
+  CloudLayout alpha;
+  alpha.append("label", ScalarType::kUint8);  // of another labeller, which gives no colours
+  alpha.append("rgba", ScalarType::kUint32);
+  ASSERT_NE(cameraColorField(alpha), nullptr);
+  EXPECT_EQ(cameraColorField(alpha)->name, "rgba");
+  CloudLayout odd;
+  odd.append("rgb", ScalarType::kFloat64);
+  EXPECT_EQ(cameraColorField(odd), nullptr) << "not the bits of a colour";
+}
+
 }  // namespace
 }  // namespace ladar_perception

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "pose_resampler_node_config.h"
 #include "program_run.h"
 #include "terrain_node_config.h"
 
@@ -12,6 +13,16 @@ namespace ladar_perception::test {
 namespace {
 
 const std::string kConfigPath = LADAR_SOURCE_DIR "/config/terrain.yaml";
+
+/// A configuration and the file that is shipped for it.
+struct Terrain {
+  using Config = TerrainNodeConfig;
+  static std::string path() { return kConfigPath; }
+};
+struct Poses {
+  using Config = PoseResamplerNodeConfig;
+  static std::string path() { return LADAR_SOURCE_DIR "/config/pose_resampler.yaml"; }
+};
 
 std::string targetText(const ParamSpec& spec) {
   const auto text = [](auto* target) {
@@ -27,11 +38,16 @@ bool isNumber(const ParamSpec& spec) {
   return std::holds_alternative<int*>(spec.target) || std::holds_alternative<double*>(spec.target);
 }
 
-TEST(Config, ListsEveryParameterOnce) {
+template <typename Shipped>
+class ShippedConfig : public testing::Test {};
+using ShippedConfigs = testing::Types<Terrain, Poses>;
+TYPED_TEST_SUITE(ShippedConfig, ShippedConfigs, );
+
+TYPED_TEST(ShippedConfig, ListsEveryParameterOnce) {
   std::set<std::string> in_file;
-  for (const auto& entry : loadParamFile(kConfigPath)) in_file.insert(entry.first);
+  for (const auto& entry : loadParamFile(TypeParam::path())) in_file.insert(entry.first);
   std::set<std::string> in_table;
-  TerrainNodeConfig config;
+  typename TypeParam::Config config;
   const ParamTable table = config.table();
   for (const ParamSpec& spec : table.specs()) {
     EXPECT_TRUE(in_table.insert(spec.name).second) << spec.name << " twice in the table";
@@ -39,9 +55,9 @@ TEST(Config, ListsEveryParameterOnce) {
   EXPECT_EQ(in_file, in_table);
 }
 
-TEST(Config, ValuesAreTheDefaults) {
+TYPED_TEST(ShippedConfig, ValuesAreTheDefaults) {
   // Start from values that are not the defaults, so that nothing is equal by being left out.
-  TerrainNodeConfig read;
+  typename TypeParam::Config read;
   ParamTable read_table = read.table();
   for (const ParamSpec& spec : read_table.specs()) {
     if (auto* const* flag = std::get_if<bool*>(&spec.target)) **flag = !**flag;
@@ -49,8 +65,8 @@ TEST(Config, ValuesAreTheDefaults) {
     if (auto* const* real = std::get_if<double*>(&spec.target)) **real = -99.5;
     if (auto* const* text = std::get_if<std::string*>(&spec.target)) **text = "changed";
   }
-  EXPECT_EQ(read_table.apply(loadParamFile(kConfigPath)), std::vector<std::string>());
-  TerrainNodeConfig defaults;
+  EXPECT_EQ(read_table.apply(loadParamFile(TypeParam::path())), std::vector<std::string>());
+  typename TypeParam::Config defaults;
   const ParamTable defaults_table = defaults.table();
   for (std::size_t i = 0; i < defaults_table.specs().size(); ++i) {
     EXPECT_EQ(targetText(read_table.specs()[i]), targetText(defaults_table.specs()[i]))
@@ -58,9 +74,9 @@ TEST(Config, ValuesAreTheDefaults) {
   }
 }
 
-TEST(Config, CommentsTellTheTablesRanges) {
+TYPED_TEST(ShippedConfig, CommentsTellTheTablesRanges) {
   using Range = std::pair<double, double>;
-  TerrainNodeConfig config;
+  typename TypeParam::Config config;
   std::map<std::string, ParamSpec> specs;
   const ParamTable table = config.table();
   for (const ParamSpec& spec : table.specs()) specs.emplace(spec.name, spec);
@@ -78,7 +94,7 @@ TEST(Config, CommentsTellTheTablesRanges) {
     expected.clear();
     names.clear();
   };
-  std::istringstream lines(fileBytes(kConfigPath));
+  std::istringstream lines(fileBytes(TypeParam::path()));
   for (std::string line; std::getline(lines, line);) {
     if (!line.empty() && line[0] == '#') {
       if (!names.empty()) compare();
@@ -97,8 +113,8 @@ TEST(Config, CommentsTellTheTablesRanges) {
   EXPECT_GT(compared, 10);
 }
 
-TEST(Config, CommentsTellTheUnits) {
-  TerrainNodeConfig config;
+TYPED_TEST(ShippedConfig, CommentsTellTheUnits) {
+  typename TypeParam::Config config;
   const ParamTable table = config.table();
   for (const ParamSpec& spec : table.specs()) {
     for (const auto& [ending, unit] :

@@ -164,11 +164,12 @@ class Manager {
  public:
   explicit Manager(std::string name) : name_(std::move(name)) {}
 
-  /// Loads the terrain nodelet as `nodelet_name` with the parameters that stand there.
-  bool load(const std::string& nodelet_name) const {
+  /// Loads a nodelet as `nodelet_name` with the parameters that stand there.
+  bool load(const std::string& nodelet_name,
+            const std::string& type = "ladar_perception/TerrainNodelet") const {
     nodelet::NodeletLoad load;
     load.request.name = nodelet_name;
-    load.request.type = "ladar_perception/TerrainNodelet";
+    load.request.type = type;
     return callService(name_ + "/load_nodelet", &load) && load.response.success;
   }
   bool unload(const std::string& nodelet_name) const {

@@ -16,6 +16,9 @@ const std::vector<std::string>& scanFormatNames();
 /// Throws std::runtime_error that lists the names if it is none of them.
 ScanFormat scanFormatFromName(const std::string& name);
 
+/// The format of a file by its extension. Throws std::runtime_error that lists those known.
+ScanFormat scanFormatFromPath(const std::string& path);
+
 /// Reads a file; `columns` names the columns of kXyz (see readTextScan) and is not for others.
 Scan readScan(const std::string& path, ScanFormat format,
               const std::vector<std::string>& columns = {});

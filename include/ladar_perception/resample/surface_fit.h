@@ -46,7 +46,9 @@ std::vector<SurfaceFit> fitSurface(const VoxelPyramid& pyramid, int level,
                                    const Eigen::Vector3f& sensor, ThreadPool* pool);
 
 /// Sums over every wanted voxel of a level and its 26 neighbours, about its own brick's centre.
-std::vector<PointSums> sumNeighborhoods(const VoxelLevel& level, int level_number,
-                                        const std::vector<uint8_t>& wanted, ThreadPool* pool);
+/// With `thin_out` a voxel of odd coordinates (by their sum) that lies side by side with three
+/// wanted ones is left out, and no longer wanted: their pieces cover its place.
+std::vector<PointSums> sumNeighborhoods(const VoxelLevel& level, int level_number, bool thin_out,
+                                        std::vector<uint8_t>* wanted, ThreadPool* pool);
 
 }  // namespace ladar_perception

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "ladar_perception/sim/primitive.h"
@@ -25,6 +26,10 @@ class Bvh {
   /// boxes first. `visit` may lower `t_limit`, which it holds by reference.
   template <typename Visit>
   void traverse(const Ray& ray, const double& t_limit, Visit&& visit) const;
+  /// Calls `visit(item)` for at least every item whose box is no farther from `p` than `limit_m`,
+  /// which `visit` may lower, too.
+  template <typename Visit>
+  void visitNear(const Eigen::Vector3d& p, const double& limit_m, Visit&& visit) const;
 
  private:
   // Boxes and slabs have a fourth lane that always holds the interval [0, infinity): four lanes
@@ -69,9 +74,35 @@ class Bvh {
     return t_in <= t_out ? t_in : std::numeric_limits<float>::infinity();
   }
 
+  /// Distance from the node's box, 0 inside.
+  static double distanceTo(const Node& node, const Eigen::Vector3d& p) {
+    const Eigen::Vector3d low = node.low.head<3>().matrix().cast<double>();
+    const Eigen::Vector3d high = node.high.head<3>().matrix().cast<double>();
+    return (low - p).cwiseMax(p - high).cwiseMax(0.0).norm();
+  }
+
   std::vector<Node> nodes_;
   std::vector<uint32_t> order_;
 };
+
+template <typename Visit>
+void Bvh::visitNear(const Eigen::Vector3d& p, const double& limit_m, Visit&& visit) const {
+  if (nodes_.empty()) return;
+  std::vector<std::pair<double, uint32_t>> stack = {{distanceTo(nodes_[0], p), 0}};
+  while (!stack.empty()) {
+    const auto [distance_m, index] = stack.back();
+    stack.pop_back();
+    if (distance_m > limit_m) continue;
+    const Node& node = nodes_[index];
+    for (uint32_t i = 0; i < node.count; ++i) visit(order_[node.first + i]);
+    if (node.count > 0) continue;
+    const double left = distanceTo(nodes_[node.first], p);
+    const double right = distanceTo(nodes_[node.first + 1], p);
+    const uint32_t far = left <= right ? 1 : 0;
+    stack.emplace_back(std::max(left, right), node.first + far);
+    stack.emplace_back(std::min(left, right), node.first + 1 - far);
+  }
+}
 
 template <typename Visit>
 void Bvh::traverse(const Ray& ray, const double& t_limit, Visit&& visit) const {

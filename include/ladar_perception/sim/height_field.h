@@ -35,6 +35,10 @@ class HeightField {
   /// Smallest t in (0, t_limit] at which a ray from above meets the ground, or kMiss.
   double intersect(const Ray& ray, double t_limit) const;
 
+  /// The point of the ground nearest to `p`, if there is one nearer than `limit_m`: within 0.1 mm
+  /// of the nearest. Returns its distance, or kMiss with `*nearest` as it was.
+  double nearest(const Eigen::Vector3d& p, double limit_m, Eigen::Vector3d* nearest) const;
+
  private:
   // Blocks of cells with the highest node of each: most rays pass above most blocks.
   static constexpr int kBlockCells = 16;
@@ -50,6 +54,7 @@ class HeightField {
   double blockTop(int bx, int by) const {
     return block_tops_m_[static_cast<std::size_t>(by) * blocks_ + bx];
   }
+  Eigen::Vector3d nearestInCell(const Eigen::Vector3d& p, int ix, int iy) const;
   double intersectBlock(const Ray& ray, int bx, int by, double t_in, double t_out) const;
   double intersectCell(const Ray& ray, int ix, int iy, double t_in, double t_out) const;
 
