@@ -288,6 +288,7 @@ void addCloudOptions(CLI::App* app, Options* options) {
                                 "surface and the number of the flat face it lies on (0: none)");
   cloud->type_name("FILE")->group(group)->excludes("--out")->excludes("--sensor");
   cloud->excludes("--look")->excludes("--duration")->excludes("--speed");
+  cloud->excludes("--odometry-scale-error")->excludes("--odometry-heading-drift");
   const auto add = [&](const std::string& name, double* value, double low, double high,
                        const std::string& help) {
     app->add_option(name, *value, help)
