@@ -67,9 +67,12 @@ TEST_F(SlamBag, CorrectsTheOdometryAndWritesWhatItFound) {
   EXPECT_LT(error["estimate"]["rms_m"].get<double>(),
             error["odometry"]["rms_m"].get<double>() / 5.0);
 
-  const Poses tum = readPoses(result("a", "trajectory_tum.txt"), PoseFormat::kTum);
-  const Poses kitti = readPoses(result("a", "trajectory_kitti.txt"), PoseFormat::kKitti);
-  const Poses odometry = readPoses(result("a", "odometry_tum.txt"), PoseFormat::kTum);
+  const ladar_perception::Poses tum =
+      readPoses(result("a", "trajectory_tum.txt"), PoseFormat::kTum);
+  const ladar_perception::Poses kitti =
+      readPoses(result("a", "trajectory_kitti.txt"), PoseFormat::kKitti);
+  const ladar_perception::Poses odometry =
+      readPoses(result("a", "odometry_tum.txt"), PoseFormat::kTum);
   ASSERT_EQ(tum.T_map_lidar.size(), poses);
   ASSERT_EQ(kitti.T_map_lidar.size(), poses);
   ASSERT_EQ(odometry.T_map_lidar.size(), poses);

@@ -11,8 +11,8 @@ namespace ladar_perception {
 
 /// Configuration of a DelayedState.
 struct DelayedStateConfig {
-  double drift_m_per_100_m = 2.0;
-  double drift_deg_per_100_m = 2.0;
+  double drift_m_per_100_m = 0.6;
+  double drift_deg_per_100_m = 0.6;
   double odometry_floor_m = 0.01;
   double odometry_floor_deg = 0.1;
   double registration_floor_m = 0.02;
