@@ -8,13 +8,14 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-# Control volumes of the campus cloud, m from the sensor: (low, high) in x, y, z.
+# Control volumes of the campus, m in the world: (low, high) in x, y, z. The window is in the brick
+# building across the street, with the bricks around it.
 VOLUMES = {
-    "floor": ((-2.5, 0.8), (-3.5, -2.4), (-1.9, -1.5)),
-    "foliage": ((-7.5, -2.5), (11.0, 16.0), (1.0, 7.0)),
-    "bicycles": ((1.0, 4.4), (-3.6, -1.3), (-1.45, -0.3)),
-    "wall": ((8.85, 10.25), (5.1, 5.7), (-0.4, 8.0)),
-    "window": ((7.2, 8.8), (5.2, 6.0), (-0.1, 1.5)),
+    "floor": ((-24.94, -21.64), (40.98, 42.08), (-0.3, 0.1)),
+    "foliage": ((-29.94, -24.94), (55.48, 60.48), (2.6, 8.6)),
+    "bicycles": ((-21.44, -18.04), (40.88, 43.18), (0.15, 1.3)),
+    "wall": ((-13.59, -12.19), (49.58, 50.18), (1.2, 9.6)),
+    "window": ((-24.44, -18.44), (12.88, 14.08), (3.5, 6.8)),
 }
 COLORS = {"floor": "red", "foliage": "lime", "bicycles": "blue", "wall": "cyan",
           "window": "magenta"}
@@ -48,10 +49,11 @@ def angles(points):
     return -azimuth, elevation
 
 
-def panel(axes, points, colors, size, title, limits=((-165, 95), (-50, 46)), **options):
+def panel(axes, points, colors, size, title, limits=((-180, 180), (-50, 46)), **options):
     """Points far away first, so that near ones lie on top."""
     order = np.argsort(-np.linalg.norm(points[:, :3], axis=1), kind="stable")
     u, v = angles(points[order, :3])
+    size = size[order] if np.ndim(size) else size
     drawn = axes.scatter(u, v, s=size, c=colors[order], linewidths=0, rasterized=True, **options)
     axes.set_xlim(*limits[0])
     axes.set_ylim(*limits[1])
@@ -61,18 +63,21 @@ def panel(axes, points, colors, size, title, limits=((-165, 95), (-50, 46)), **o
     return drawn
 
 
-def fronts(folder, path):
+def fronts(folder, stages, path):
     """Arrival times and Voronoi regions after few and many samples."""
-    figure, axes = plt.subplots(3, 2, figsize=(15, 14))
-    for row, samples in enumerate((300, 3000, 30000)):
-        cells = load(folder, f"fronts_{samples}", 5)
+    figure, axes = plt.subplots(len(stages), 2, figsize=(17, 4.6 * len(stages)))
+    for row, stage in enumerate(stages):
+        cells = load(folder, stage["name"], 5)
         reached = cells[np.isfinite(cells[:, 3]) & (cells[:, 4] >= 0)]
-        top = np.percentile(reached[:, 3], 99)
-        drawn = panel(axes[row, 0], reached, reached[:, 3], 1.4,
-                      f"arrival times, {samples:,} samples", cmap="turbo", vmin=0, vmax=top)
+        # Near cells look larger.
+        size = np.clip((9 / np.linalg.norm(reached[:, :3], axis=1)) ** 2, 0.8, 60)
+        title = f"arrival times, {stage['samples']:,} samples, none farther than"
+        drawn = panel(axes[row, 0], reached, reached[:, 3], size,
+                      f"{title} {stage['radius_m']:g} m", cmap="turbo", vmin=0,
+                      vmax=stage["radius_m"])
         figure.colorbar(drawn, ax=axes[row, 0], label="m", fraction=0.03)
         colors = np.random.default_rng(1).uniform(0.1, 1, (100003, 3))[reached[:, 4].astype(int)]
-        panel(axes[row, 1], reached, colors, 1.4, "regions of the samples")
+        panel(axes[row, 1], reached, colors, size, "regions of the samples")
     save(figure, path)
 
 
@@ -88,24 +93,30 @@ def outline(axes, box, color):
             axes.plot(*angles(edge), color=color, linewidth=0.9)
 
 
-def volumes(folder, path):
-    figure, axes = plt.subplots(3, 1, figsize=(13, 16))
+def moved(box, sensor):
+    """A box of the world as seen from the sensor."""
+    return tuple((side[0] - at, side[1] - at) for side, at in zip(box, sensor))
+
+
+def volumes(folder, sensor, path):
+    figure, axes = plt.subplots(3, 1, figsize=(15, 15))
     for axis, name, title, size in ((axes[0], "raw", "raw", 0.6),
                                     (axes[1], "uniform", "uniform", 3),
                                     (axes[2], "normals", "normals, variation inhibited", 3)):
         cloud = load(folder, name, 5)
         panel(axis, cloud, rgb(cloud[:, 3]), size, f"{title}: {len(cloud):,} points")
-        for volume, box in VOLUMES.items():
+        for volume, world_box in VOLUMES.items():
+            box = moved(world_box, sensor)
             outline(axis, box, COLORS[volume])
             points = int(inside(cloud[:, :3], box).sum())
             u, v = angles(np.array([[side[1] for side in box]]))
-            axis.text(u[0] + 1, v[0] + 1, f"{volume} {points:,}", color=COLORS[volume], fontsize=8,
-                      bbox={"facecolor": "black", "alpha": 0.6, "pad": 1})
+            axis.text(u[0] + 1, v[0] + 1, f"{volume} {points:,}", color="white", fontsize=8,
+                      bbox={"facecolor": "black", "alpha": 0.8, "pad": 1})
     save(figure, path)
 
 
 def weighted(folder, name, path):
-    figure, axes = plt.subplots(3, 1, figsize=(13, 16))
+    figure, axes = plt.subplots(3, 1, figsize=(15, 15))
     raw = load(folder, "raw", 5)
     if name == "color":
         panel(axes[0], raw, rgb(raw[:, 3]), 0.6, "colours")

@@ -36,10 +36,10 @@ def count(records, box):
     return int(figures.inside(records[:, :3], box).sum())
 
 
-def table_one(folder):
+def table_one(folder, sensor):
     clouds = [figures.load(folder, "raw", 5)]
     clouds += [figures.load(folder, name, 5) for name in SERIES]
-    counts = {volume: [count(cloud, box) for cloud in clouds]
+    counts = {volume: [count(cloud, figures.moved(box, sensor)) for cloud in clouds]
               for volume, box in figures.VOLUMES.items()}
     rows = []
     for volume, ours in counts.items():
@@ -141,7 +141,8 @@ def main():
         quality = json.load(file)
     with open(os.path.join(campus, "table.json")) as file:
         data = json.load(file)
-    text, counts, sizes = table_one(campus)
+    sensor = data["sensor"]
+    text, counts, sizes = table_one(campus, sensor)
     title, planes = planes_table(quality)
     parts = {
         "table_1": text,
@@ -156,8 +157,8 @@ def main():
         "planes": planes,
         "real": real_part(os.path.join(results, "real"), out),
     }
-    figures.fronts(campus, os.path.join(out, "resampling_figure_4.png"))
-    figures.volumes(campus, os.path.join(out, "resampling_figure_5.png"))
+    figures.fronts(campus, data["fronts"], os.path.join(out, "resampling_figure_4.png"))
+    figures.volumes(campus, sensor, os.path.join(out, "resampling_figure_5.png"))
     figures.weighted(campus, "color", os.path.join(out, "resampling_figure_6.png"))
     figures.weighted(campus, "normals_class", os.path.join(out, "resampling_figure_7.png"))
     with open(os.path.join(os.path.dirname(__file__), "resampling_paper_report.md")) as file:

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Measures what the table and figures of Cole, Harrison and Newman show of re-sampling, and how
 // good samplings are. bench/reproduce_resampling runs it.
-//   resampling_study campus FOLDER           the simulated scene
+//   resampling_study table FOLDER            the paper's Table I and pictures, on the campus
+//   resampling_study quality FOLDER          samplings of the campus against the true surface
 //   resampling_study cloud FILE FOLDER SERIES...   one coloured cloud; a series is
 //                                            name=policy+policy, or name= for the uniform one
 // Writes JSON, and points as float32 records for the pictures.
@@ -34,6 +35,8 @@ using Names = std::vector<std::string>;
 // The paper's cloud and its samples.
 constexpr int kPaperPoints = 380389;
 constexpr int kPaperSamples = 55000;
+// Owners of cells are written modulo this: enough to tell neighbours apart.
+constexpr uint32_t kOwners = 100003;
 
 /// Rows of float32 as they lie in memory.
 class RecordFile {
@@ -131,8 +134,9 @@ json resampleSeries(const PoseCloudData& cloud, const Series& series, const Name
           {"connected_cov", spacing.connected_cov}};
 }
 
-/// Fronts of the first samples, 10, 100, ...: the cells of the crust with arrival time and owner.
-void writeFronts(const PoseCloudData& cloud, const std::string& folder) {
+/// Fronts when no place is farther than a radius: the cells of the crust with arrival time and
+/// owner.
+json writeFronts(const PoseCloudData& cloud, const std::string& folder) {
   constexpr double kCellM = 0.1;
   ThreadPool pool(1);
   GridFrame frame;
@@ -142,22 +146,25 @@ void writeFronts(const PoseCloudData& cloud, const std::string& folder) {
   const VoxelPyramid pyramid(grid, {}, kBridgeLevels + 1);
   const Crust crust =
       makeSurfelCrust(pyramid, frame, {}, frame.toCells(cloud.sensor_m).cast<float>(), &pool);
-  for (const std::size_t count : {300, 3000, 30000}) {
+  json rows = json::array();
+  for (const double radius_m : {6.0, 1.5, 0.5}) {
     FrontField field(crust);
     FarthestPointsGoal goal;
-    goal.count = count;
-    goal.first_radius = 1e3F;
-    chooseFarthestPoints<FastMarching>(&field, goal, &pool);
-    RecordFile file(folder + "/fronts_" + std::to_string(count) + ".bin");
+    goal.radius = static_cast<float>(radius_m / kCellM);
+    goal.first_radius = 2.0F * goal.radius;
+    const SampleSet samples = chooseFarthestPoints<FastMarching>(&field, goal, &pool);
+    const std::string name = "fronts_" + std::to_string(rows.size());
+    RecordFile file(folder + "/" + name + ".bin");
     for (std::size_t i = 0; i < crust.size(); ++i) {
       const Eigen::Vector3d p = frame.toMetres(crust.positions[i]);
       const auto& arrival = field.arrivals[i];
-      const double owner =
-          arrival.owner == kNoIndex ? -1.0 : static_cast<double>(arrival.owner % 100003U);
+      const double owner = arrival.owner == kNoIndex ? -1.0 : arrival.owner % kOwners;
       file.add({p.x(), p.y(), p.z(), arrival.time * kCellM, owner});
     }
     file.close();
+    rows.push_back({{"name", name}, {"radius_m", radius_m}, {"samples", samples.size()}});
   }
+  return rows;
 }
 
 /// The classes of the paper's Fig. 7 by the simulator's labels.
@@ -186,19 +193,25 @@ void studyTable(const std::string& folder) {
   sensor.at_m = 94.0;
   sensor.left_m = -9.5;
   sensor.config.points = kPaperPoints;
-  const PoseCloudData cloud = TrueCloud(sensor).poseCloud(classesOfLabels());
+  sensor.config.range_sigma_m = 0.01;  // that of the paper's kind of scanner, near by
+  const TrueCloud scene(sensor);
+  const PoseCloudData cloud = scene.poseCloud(classesOfLabels());
   writeRaw(cloud, folder + "/raw.bin");
-  const std::string normals = "normal_variation:mode=inhibit,ratio=16";
-  const std::string color = "color:target=#d4ccba,softness=80,ratio=16";
-  const std::string classes = "label:floor=0.1,foliage=0.1";
+  const std::string color = "color:target=#d4ccba,softness=60,ratio=16";
+  const std::string classes = "label:floor=0.15,foliage=0.3";
   json rows = json::array();
   for (const Series& series :
-       {Series{"uniform", {}}, Series{"normals", {normals}}, Series{"color", {color}},
-        Series{"normals_class", {normals, classes}}, Series{"color_class", {color, classes}}}) {
+       {Series{"uniform", {}}, Series{"normals", {"normal_variation:mode=inhibit,ratio=16"}},
+        Series{"color", {color}},
+        Series{"normals_class", {"normal_variation:mode=inhibit,ratio=64", classes}},
+        Series{"color_class", {color, classes}}}) {
     rows.push_back(resampleSeries(cloud, series, kClasses, kPaperSamples, folder));
   }
-  writeJson(folder + "/table.json", {{"points", cloud.positions_m.size()}, {"series", rows}});
-  writeFronts(cloud, folder);
+  const Eigen::Vector3d& origin = scene.sensor_world;
+  writeJson(folder + "/table.json", {{"points", cloud.positions_m.size()},
+                                     {"series", rows},
+                                     {"sensor", {origin.x(), origin.y(), origin.z()}},
+                                     {"fronts", writeFronts(cloud, folder)}});
 }
 
 void studyQuality(const std::string& folder) {
@@ -253,14 +266,16 @@ void studyCloud(const std::string& file, const std::string& folder, const Names&
 int main(int argc, char** argv) {
   const Names arguments(argv + 1, argv + argc);
   try {
-    if (arguments.size() == 2 && arguments[0] == "campus") {
+    if (arguments.size() == 2 && arguments[0] == "table") {
       studyTable(arguments[1]);
+    } else if (arguments.size() == 2 && arguments[0] == "quality") {
       studyQuality(arguments[1]);
     } else if (arguments.size() > 3 && arguments[0] == "cloud") {
       studyCloud(arguments[1], arguments[2], {arguments.begin() + 3, arguments.end()});
     } else {
       std::fprintf(stderr,
-                   "usage: resampling_study campus FOLDER | cloud FILE FOLDER NAME=POLICIES...\n");
+                   "usage: resampling_study table FOLDER | quality FOLDER | cloud FILE FOLDER "
+                   "NAME=POLICIES...\n");
       return 2;
     }
   } catch (const std::exception& error) {

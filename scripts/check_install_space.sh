@@ -37,4 +37,5 @@ roslaunch --files ladar_perception replay.launch bag:=x poses:=true |
   grep >/dev/null "$share/launch/pose_resampler.launch"
 rosrun ladar_perception terrain_summary.py --help >"$work/help.txt"
 [ -f "$share/rviz/terrain.rviz" ] && [ -f "$share/rviz/pose_resampler.rviz" ]
-[ -f "$share/config/pose_resampler.yaml" ] && [ -x "$prefix/lib/ladar_perception/pose_resampler_node" ]
+[ -f "$share/config/pose_resampler.yaml" ]
+[ -x "$prefix/lib/ladar_perception/pose_resampler_node" ]

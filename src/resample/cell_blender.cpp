@@ -19,6 +19,8 @@ namespace {
 constexpr float kBorder = 0.25F;
 // Planes farther than this from the middle of the cell, along the column, are the next cell's.
 constexpr float kReach = 0.8F;
+// Cells of a column whose normals have at least this cosine are cut by the same surface.
+constexpr float kSameNormal = 0.7F;
 // Pieces count least, not nothing, at their rims.
 constexpr float kRimWeight = 0.02F;
 
@@ -210,12 +212,14 @@ class TileGrid {
   bool isBehind(std::size_t cell, int axis, int side) const {
     const auto next = static_cast<std::size_t>(static_cast<int>(cell) +
                                                side * kStrides[static_cast<std::size_t>(axis)]);
-    const Eigen::Array4f& plane = blends_[next].plane;
-    if (blends_[next].trust == 0.0F || std::isnan(plane[3]) || mainAxis(plane) != axis) {
-      return false;
-    }
-    const float here = std::abs(blends_[cell].plane[3]);
-    const float there = std::abs(plane[3]);
+    const Blend& other = blends_[next];
+    if (other.trust == 0.0F || std::isnan(other.plane[3])) return false;
+    const Eigen::Array4f& own = blends_[cell].plane;
+    if (std::abs((other.plane * own).head<3>().sum()) < kSameNormal) return false;
+    const float here = std::abs(own[3]);
+    // Its own column may run along another axis.
+    const float there =
+        std::abs(other.plane[3] * other.plane[mainAxis(other.plane)] / other.plane[axis]);
     return there < here || (there == here && side > 0);
   }
 

@@ -25,8 +25,8 @@ using Clock = std::chrono::steady_clock;
 
 // Samples on a surface of area A have the mean spacing a with A = 0.8 a^2 a sample.
 constexpr double kAreaPerSample = 0.8;
-// About three and a half cells a sample: fewer would show in the places of samples.
-constexpr double kCellPerSpacing = 0.60;
+// About three cells a sample: with fewer, places are missed and left too far from any sample.
+constexpr double kCellPerSpacing = 0.55;
 // The random start's distance, in spacings: large enough that most samples are put in by the
 // rounds, small enough that few long fronts are run.
 constexpr float kFirstRadiusPerSpacing = 2.4F;
@@ -70,18 +70,23 @@ std::string joined(const std::vector<std::string>& lines) {
   return text;
 }
 
+/// Throws unless a field is there for all points, or for none of these and those `before`.
+void requireLength(const char* name, std::size_t length, std::size_t points, std::size_t before,
+                   bool there_before) {
+  const bool there = length > 0;
+  if (points == 0 && !there) return;
+  if ((!there || length == points) && (before == 0 || there == there_before)) return;
+  throw std::invalid_argument(std::string("PoseCloudData: ") + name + " has " +
+                              std::to_string(length) + " entries, expected " +
+                              std::to_string(points) +
+                              ", as many as positions_m, or none in the cloud and all it extends");
+}
+
 /// Appends the values of points [indices of `finite`]; what is empty stays empty.
 template <typename T>
-void append(const std::vector<T>& given, const std::vector<uint32_t>& finite, std::size_t points,
-            std::size_t before, const char* name, std::vector<T>* values) {
-  const bool empty = given.empty() && points > 0;
-  if ((!empty && given.size() != points) || (before > 0 && empty != values->empty())) {
-    throw std::invalid_argument(
-        std::string("PoseCloudData: ") + name + " has " + std::to_string(given.size()) +
-        " entries, expected " + std::to_string(points) +
-        ", as many as positions_m, or none in the cloud and all it extends");
-  }
-  if (empty) return;
+void append(const std::vector<T>& given, const std::vector<uint32_t>& finite,
+            std::vector<T>* values) {
+  if (given.empty()) return;
   values->reserve(values->size() + finite.size());
   for (const uint32_t i : finite) values->push_back(given[i]);
 }
@@ -102,7 +107,30 @@ class CloudResampler::Impl {
     set_ = SampleSet();
     crust_ = Crust();
     takePoints(cloud);
-    points_.sensor_m = cloud.sensor_m;
+    return sampleAnew(cloud.sensor_m);
+  }
+
+  ResampledCloud extend(const PoseCloudData& more) {
+    begin_ = Clock::now();
+    result_ = ResampledCloud();
+    const std::size_t before = points_.size();
+    takePoints(more);
+    if (before == 0) return sampleAnew(more.sensor_m);
+    extendWeights(before);
+    const Crust old = std::move(crust_);
+    makeCrust(old.frame);
+    moveSamples(old);
+    if (goal_.count > 0) goal_.count = set_.size() + static_cast<std::size_t>(config_.count);
+    goal_.deadline = deadline();
+    chooseSamples();
+    write(set_, unit());
+    result_.times_ms.total = millisecondsSince(begin_);
+    return std::move(result_);
+  }
+
+ private:
+  ResampledCloud sampleAnew(const Eigen::Vector3d& sensor_m) {
+    points_.sensor_m = sensor_m;
     if (points_.size() > 0) {
       weights_ = weigh(points_);
       normalizeWeights();
@@ -123,25 +151,6 @@ class CloudResampler::Impl {
     return std::move(result_);
   }
 
-  ResampledCloud extend(const PoseCloudData& more) {
-    if (points_.size() == 0) return resample(more, policies_);
-    begin_ = Clock::now();
-    result_ = ResampledCloud();
-    const std::size_t before = points_.size();
-    takePoints(more);
-    extendWeights(before);
-    const Crust old = std::move(crust_);
-    makeCrust(old.frame);
-    moveSamples(old);
-    if (goal_.count > 0) goal_.count = set_.size() + static_cast<std::size_t>(config_.count);
-    goal_.deadline = deadline();
-    chooseSamples();
-    write(set_, unit());
-    result_.times_ms.total = millisecondsSince(begin_);
-    return std::move(result_);
-  }
-
- private:
   /// Appends the points that are finite.
   void takePoints(const PoseCloudData& cloud) {
     const Stopwatch watch(&result_.times_ms.voxels);
@@ -152,9 +161,11 @@ class CloudResampler::Impl {
       if (cloud.positions_m[i].allFinite()) finite.push_back(static_cast<uint32_t>(i));
     }
     const std::size_t before = points_.size();
-    append(cloud.positions_m, finite, size, before, "positions_m", &points_.positions_m);
-    append(cloud.rgb, finite, size, before, "rgb", &points_.rgb);
-    append(cloud.labels, finite, size, before, "labels", &points_.labels);
+    requireLength("rgb", cloud.rgb.size(), size, before, !points_.rgb.empty());
+    requireLength("labels", cloud.labels.size(), size, before, !points_.labels.empty());
+    append(cloud.positions_m, finite, &points_.positions_m);
+    append(cloud.rgb, finite, &points_.rgb);
+    append(cloud.labels, finite, &points_.labels);
     for (const uint32_t i : finite) kept_.push_back(static_cast<uint32_t>(points_in_ + i));
     points_in_ += size;
     result_.points_in = points_in_;

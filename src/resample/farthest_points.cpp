@@ -19,7 +19,7 @@ constexpr float kFirstStep = 0.8F;
 constexpr float kLastStep = 0.9F;
 constexpr float kLastRounds = 0.4F;  // of the first radius
 // Vertices lie up to half a cell from the cells around them, whose times are less by as much.
-constexpr float kVertexSlack = 0.45F;
+constexpr float kVertexSlack = 0.6F;
 // No count is reached by going on below this radius: there are no more cells.
 constexpr float kLeastRadius = 0.35F;
 
@@ -93,6 +93,10 @@ class Chooser {
     }
     set_.radius_reached = std::max(latest(), left_out_);
     if (set_.size() > 0) set_.covering.back() = set_.radius_reached;
+    // A place that a round found later than others, or left to the next, was as far before.
+    for (std::size_t i = set_.size(); i > 1; --i) {
+      set_.covering[i - 2] = std::max(set_.covering[i - 2], set_.covering[i - 1]);
+    }
     return std::move(set_);
   }
 
@@ -137,7 +141,13 @@ class Chooser {
         witnesses.push_back({field_->crust->positions[cell], field_->crust->slowness[cell]});
       }
     }
-    const PlaceOrder order = orderFarthestFirst(places, witnesses);
+    std::vector<WeightedPlace> before;
+    for (const uint32_t cell : set_.cells) before.push_back(placeOf(cell));
+    const PlaceOrder order = orderFarthestFirst(places, witnesses, before);
+    // What has come to the crust since may be far from them.
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      set_.covering[i] = std::max(set_.covering[i], order.covering_before[i]);
+    }
     std::size_t size = order.order.size();
     if (goal_.count > 0 && set_.size() + size > goal_.count) {
       size = goal_.count - std::min(goal_.count, set_.size());
@@ -185,36 +195,38 @@ class Chooser {
   void fillTile(float radius, Fronts<Metric>* fronts, std::size_t i) {
     const Tiles::Tile& tile = tiles_.tile(i);
     for (uint32_t cell = tile.first; cell < tile.end; ++cell) {
-      const float slack = kVertexSlack * field_->crust->edge(cell) * field_->nodes[cell].slowness;
-      const FrontField::Arrival& arrival = field_->arrivals[cell];
-      if (arrival.time + slack < radius || bounds_[cell] < radius || arrival.owner == cell)
-        continue;
+      if (field_->arrivals[cell].time + slack_[cell] < radius || bounds_[cell] < radius) continue;
       if (!isLatest(*field_, cell)) continue;
       const VoronoiVertex vertex = findVertex(*field_, cell);
       bounds_[cell] = vertex.time;
       if (vertex.time < radius) continue;
-      bounds_[cell] = std::min(vertex.time, nearestAround(cell, vertex.position));
-      if (bounds_[cell] < radius) continue;
+      const Choice near = nearestAround(cell, vertex.position);
+      if (near.time < radius) {
+        bounds_[cell] = near.time;
+        fronts->enter(cell, near.cell);
+        continue;
+      }
       insert(fronts, cell, vertex.position);
       chosen_[i].push_back({cell, vertex.time});
     }
   }
 
-  /// Time to a place from the samples in a cell's neighbours and theirs. Where cells are few, the
-  /// nearest sample may be one whose front did not come to the cell.
-  float nearestAround(uint32_t cell, const Eigen::Vector3f& place) const {
+  /// The nearest to a place of the samples in a cell's neighbours and theirs. Where cells are few,
+  /// its front may not have come to the cell.
+  Choice nearestAround(uint32_t cell, const Eigen::Vector3f& place) const {
     const Crust& crust = *field_->crust;
-    float time = std::numeric_limits<float>::infinity();
+    Choice nearest = {kNoIndex, std::numeric_limits<float>::infinity()};
     for (uint32_t k = crust.first_neighbor[cell]; k < crust.first_neighbor[cell + 1]; ++k) {
       const uint32_t side = crust.neighbors[k];
       for (uint32_t n = crust.first_neighbor[side]; n < crust.first_neighbor[side + 1]; ++n) {
         const uint32_t near = crust.neighbors[n];
         if (taken_[near] == 0) continue;
         const float slowness = 0.5F * (field_->nodes[cell].slowness + field_->nodes[near].slowness);
-        time = std::min(time, (field_->samples[near] - place).norm() * slowness);
+        const float time = (field_->samples[near] - place).norm() * slowness;
+        if (time < nearest.time) nearest = {near, time};
       }
     }
-    return time;
+    return nearest;
   }
 
   float latest() const {

@@ -21,6 +21,16 @@ constexpr float kFlatNoise = 0.5F;
 constexpr float kEvenSlowness = 0.1F;
 // The box around a sample that the front crosses straight, in cells from it.
 constexpr float kBox = 2.5F;
+// There even a crease of 66 degrees makes the way only 0.4 cells longer than the chord, and normals
+// of single cells are off by as much where points are sparse and noisy: one of the two that is near
+// the truth must do.
+constexpr float kNearCosine = 0.4F;
+constexpr float kNearRise = 0.4F;
+// Two neighbours that far apart tell where a front comes from; with a wider base, the front's own
+// curvature, which is not that of a circle on a curved surface, would count four times as much.
+constexpr float kPairWidth = 1.8F;
+// A way around is sooner than sight if it takes less than this part; less is rounding.
+constexpr float kSooner = 0.98F;
 // A cell sees the sample past a neighbour that sees it and lies this near to the line of sight.
 constexpr float kSightWidth = 0.8F;
 
@@ -69,12 +79,14 @@ class EikonalUpdate {
     const float time_from = field_.arrivals[from_].time;
     float best = time_from + step_ * 0.5F * (here.slowness + before.slowness);
     const Crust& crust = *field_.crust;
+    const float limit2 = std::pow(kPairWidth * crust.edge(cell_), 2.0F);
     for (uint32_t k = crust.first_neighbor[cell_]; k < crust.first_neighbor[cell_ + 1]; ++k) {
       const uint32_t other = crust.neighbors[k];
       if (other == from_ || field_.arrivals[other].owner != owner_) continue;
       const FrontField::Node& side = field_.nodes[other];
       const float slowness = 0.5F * here.slowness + 0.25F * (before.slowness + side.slowness);
       const Eigen::Vector3f p_side = side.position();
+      if ((p_side - p_from_).squaredNorm() > limit2) continue;
       const float distance =
           throughTwo(time_from / slowness, field_.arrivals[other].time / slowness,
                      (p_side - p_from_).norm(), step_, (p_side - p_cell_).norm());
@@ -92,6 +104,27 @@ class EikonalUpdate {
   Eigen::Vector3f p_from_;
   float step_;
 };
+
+/// Whether a line over the surface leaves its tangent plane no more than noise and `slope` explain.
+bool isLow(float rise, float length2, float edge, float slope) {
+  const float beyond_noise = std::abs(rise) - kFlatNoise * edge;
+  return beyond_noise < 0.0F || beyond_noise * beyond_noise < slope * slope * length2;
+}
+
+/// Whether the way between two places with these normals is as good as straight.
+bool isFlat(const Eigen::Vector3f& n_source, const Eigen::Vector3f& n_cell,
+            const Eigen::Vector3f& d, float edge) {
+  return n_source.dot(n_cell) > kFlatCosine &&
+         isLow(n_source.dot(d), d.squaredNorm(), edge, kFlatRise);
+}
+
+/// The same in the box.
+bool isNearlyFlat(const Eigen::Vector3f& n_source, const Eigen::Vector3f& n_cell,
+                  const Eigen::Vector3f& d, float edge) {
+  return n_source.dot(n_cell) > kNearCosine &&
+         (isLow(n_source.dot(d), d.squaredNorm(), edge, kNearRise) ||
+          isLow(n_cell.dot(d), d.squaredNorm(), edge, kNearRise));
+}
 
 /// Whether one of the neighbours that see the sample lies on the line of sight to the cell.
 bool seesPast(const FrontField& field, const FrontSource& source, uint32_t cell,
@@ -141,18 +174,21 @@ float FastMarching::arrive(const FrontField& field, const FrontSource& source, u
   const FrontField::Node& node = field.nodes[cell];
   Eigen::Vector3f d;
   const float time = straight(node, source, &d);
+  const bool even = std::abs(node.slowness - source.slowness) < kEvenSlowness * source.slowness;
+  const bool straight_so_far = even && field.in_sight[from] != 0;
+  // No way is shorter than the straight one: what cannot be earlier is not solved for.
+  if (straight_so_far && time >= field.arrivals[cell].time) return time;
   const Crust& crust = *field.crust;
-  const float length2 = d.squaredNorm();
   const float edge = crust.edge(cell);
-  const float rise = std::abs(source.normal.dot(d)) - kFlatNoise * edge;
-  const bool flat = source.normal.dot(crust.normals[cell]) > kFlatCosine &&
-                    (rise < 0.0F || rise * rise < kFlatRise * kFlatRise * length2) &&
-                    std::abs(node.slowness - source.slowness) < kEvenSlowness * source.slowness;
-  // On flat ground no way is shorter than the straight one: what cannot be earlier is not solved
-  // for.
-  if (flat && time >= field.arrivals[cell].time) return time;
-  *in_sight = flat && (length2 < kBox * kBox * edge * edge || seesPast(field, source, cell, d));
-  return *in_sight ? time : EikonalUpdate(field, source.cell, from, cell).solve();
+  const bool near = d.squaredNorm() < kBox * kBox * edge * edge;
+  *in_sight = even && (near ? isNearlyFlat(source.normal, crust.normals[cell], d, edge)
+                            : isFlat(source.normal, crust.normals[cell], d, edge) &&
+                                  seesPast(field, source, cell, d));
+  if (*in_sight && straight_so_far) return time;
+  // The front may have come sooner on a way around, over faster ground.
+  const float solved = EikonalUpdate(field, source.cell, from, cell).solve();
+  if (solved < kSooner * time) *in_sight = false;
+  return *in_sight ? time : solved;
 }
 
 template <typename Metric>
@@ -164,13 +200,34 @@ void Fronts<Metric>::push(uint32_t cell, float time, uint32_t owner, bool in_sig
 
 template <typename Metric>
 void Fronts<Metric>::insert(uint32_t cell, const Eigen::Vector3f& position) {
-  const Crust& crust = *field_->crust;
-  const FrontField::Node& node = field_->nodes[cell];
-  const FrontSource source = {cell, position, crust.normals[cell], node.slowness};
   field_->samples[cell] = position;
+  const FrontSource source = sourceOf(cell);
   queue_.clear();
   Eigen::Vector3f d;
-  push(cell, straight(node, source, &d), cell, true);
+  push(cell, straight(field_->nodes[cell], source, &d), cell, true);
+  run(source);
+}
+
+template <typename Metric>
+void Fronts<Metric>::enter(uint32_t cell, uint32_t sample) {
+  const FrontSource source = sourceOf(sample);
+  queue_.clear();
+  Eigen::Vector3f d;
+  const float time = straight(field_->nodes[cell], source, &d);
+  if (time >= field_->arrivals[cell].time) return;
+  push(cell, time, sample, true);
+  run(source);
+}
+
+template <typename Metric>
+FrontSource Fronts<Metric>::sourceOf(uint32_t sample) const {
+  return {sample, field_->samples[sample], field_->crust->normals[sample],
+          field_->nodes[sample].slowness};
+}
+
+template <typename Metric>
+void Fronts<Metric>::run(const FrontSource& source) {
+  const Crust& crust = *field_->crust;
   // Fronts are a few cells long: first in, first out visits them nearly in the order of arrival,
   // and a cell that is reached earlier on another way is visited again.
   for (std::size_t head = 0; head < queue_.size(); ++head) {
@@ -179,14 +236,13 @@ void Fronts<Metric>::insert(uint32_t cell, const Eigen::Vector3f& position) {
     for (uint32_t k = crust.first_neighbor[from]; k < end; ++k) {
       const uint32_t to = crust.neighbors[k];
       const FrontField::Arrival& known = field_->arrivals[to];
-      if (known.owner == cell && (Metric::kOneVisit || known.time <= field_->arrivals[from].time)) {
-        continue;
-      }
+      const bool own = known.owner == source.cell;
+      if (own && (Metric::kOneVisit || known.time <= field_->arrivals[from].time)) continue;
       bool in_sight = false;
       const float time = Metric::arrive(*field_, source, from, to, &in_sight);
       // A least gain, so that rounding cannot send cells around in circles.
-      const float gain = known.owner == cell ? 1e-4F * time : 0.0F;
-      if (time < known.time - gain) push(to, time, cell, in_sight);
+      const float gain = own ? 1e-4F * time : 0.0F;
+      if (time < known.time - gain) push(to, time, source.cell, in_sight);
     }
   }
 }

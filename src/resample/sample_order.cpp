@@ -127,19 +127,22 @@ class Buckets {
 }  // namespace
 
 PlaceOrder orderFarthestFirst(const std::vector<WeightedPlace>& places,
-                              const std::vector<WeightedPlace>& witnesses) {
+                              const std::vector<WeightedPlace>& witnesses,
+                              const std::vector<WeightedPlace>& before) {
   PlaceOrder result;
-  if (places.empty()) return result;
   Buckets open(places);
   Buckets watched(witnesses);
-  std::size_t next = places.size() / 2;
+  const auto cover = [&](const WeightedPlace& place) {
+    open.approach(place);
+    watched.approach(place);
+    return std::max({open.greatest(), watched.greatest(), 0.0F});
+  };
+  for (const WeightedPlace& place : before) result.covering_before.push_back(cover(place));
   for (std::size_t i = 0; i < places.size(); ++i) {
+    const std::size_t next = i == 0 && before.empty() ? places.size() / 2 : open.farthest();
     open.choose(next);
-    open.approach(places[next]);
-    watched.approach(places[next]);
     result.order.push_back(static_cast<uint32_t>(next));
-    result.covering.push_back(std::max({open.greatest(), watched.greatest(), 0.0F}));
-    next = open.farthest();
+    result.covering.push_back(cover(places[next]));
   }
   return result;
 }

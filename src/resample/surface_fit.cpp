@@ -11,8 +11,9 @@
 namespace ladar_perception {
 namespace {
 
-// A uniform sampling of a square of half-width b has the standard deviation b / sqrt(3): 1.5 of
-// them stay inside the square, so that crusts end where the points end.
+// A uniform sampling of a square of half-width b has the standard deviation b / sqrt(3): pieces end
+// a little beyond their points. With less, gaps between scan lines stay open that no voxel looks
+// across.
 constexpr float kSemiAxisPerDeviation = 2.0F;
 // Pieces of neighbouring voxels overlap by this (in voxels); larger ones would round off edges.
 constexpr float kLargestSemiAxis = 1.5F;
@@ -23,8 +24,13 @@ constexpr float kLineRatio = 0.1F;
 // Points are planar if the third eigenvalue is below this part of the second.
 constexpr float kPlanarRatio = 0.05F;
 
+// What is wanted of a voxel: a piece of surface, or another one, as that of a finer level may end
+// at a gap: of three scan lines it has seen two.
+constexpr uint8_t kPiece = 1;
+constexpr uint8_t kSecondPiece = 2;
+
 /// What became of a voxel at one level.
-enum class Fate : uint8_t { kNotWanted, kSurface, kLine, kOpen };
+enum class Fate : uint8_t { kNotWanted, kSurface, kBridge, kLine, kOpen };
 
 Eigen::Vector3f towards(const Eigen::Vector3f& sensor, const Eigen::Vector3f& from,
                         const Eigen::Vector3f& normal) {
@@ -55,7 +61,7 @@ class Fitter {
 
   std::vector<SurfaceFit> run(const std::vector<uint8_t>& wanted) {
     std::vector<uint8_t> now = wanted;
-    if (now.empty()) now.assign(pyramid_.level(base_).grid.size(), 1);
+    if (now.empty()) now.assign(pyramid_.level(base_).grid.size(), kPiece);
     for (int level = base_; level < pyramid_.levels() && level <= base_ + kBridgeLevels; ++level) {
       fitLevel(level, &now);
       if (level + 1 < pyramid_.levels()) now = parentsOfUnfinished(level);
@@ -65,10 +71,12 @@ class Fitter {
   }
 
  private:
-  /// Pieces overlap: some of the wanted voxels are left out.
-  void fitLevel(int level, std::vector<uint8_t>* wanted) {
+  /// Pieces of the base level overlap so much that some of the wanted voxels are left out.
+  void fitLevel(int level, std::vector<uint8_t>* wanted_flags) {
     const VoxelLevel& voxels = pyramid_.level(level);
-    const std::vector<PointSums> sums = sumNeighborhoods(voxels, level, true, wanted, pool_);
+    const std::vector<PointSums> sums =
+        sumNeighborhoods(voxels, level, level == base_, wanted_flags, pool_);
+    const std::vector<uint8_t>& wanted = *wanted_flags;
     std::vector<SurfaceFit> fits(voxels.grid.size());
     fates_.emplace_back(voxels.grid.size(), Fate::kNotWanted);
     std::vector<Fate>& fates = fates_.back();
@@ -77,15 +85,19 @@ class Fitter {
         const Eigen::Vector3f center = brickCenter(voxels.grid.bricks()[brick].key, level);
         const uint32_t last = voxels.grid.brickEnd(brick);
         for (uint32_t i = voxels.grid.bricks()[brick].first; i < last; ++i) {
-          if ((*wanted)[i] == 0) continue;
-          fates[i] = fit(sums[i], center, level, &fits[i]);
+          if (wanted[i] == 0) continue;
+          const Fate fate = fit(sums[i], center, level, &fits[i]);
+          fates[i] = wanted[i] != kSecondPiece ? fate
+                     : fate == Fate::kBridge   ? Fate::kSurface
+                                               : Fate::kNotWanted;
           fits[i].weight = voxels.sums[i].weight / voxels.sums[i].count;
         }
       }
     });
     for (std::size_t i = 0; i < fits.size(); ++i) {
-      if (fates[i] == Fate::kSurface || fates[i] == Fate::kLine) fits_.push_back(fits[i]);
+      if (fates[i] == Fate::kSurface || fates[i] == Fate::kBridge) fits_.push_back(fits[i]);
     }
+    if (level == base_) lines_ = std::move(fits);
   }
 
   Fate fit(const PointSums& sums, const Eigen::Vector3f& brick_center, int level,
@@ -103,7 +115,8 @@ class Fitter {
     piece->semi_major = std::max(semiAxis(plane.l2, edge), kLeastSemiAxis * least);
     piece->semi_minor = std::max(semiAxis(plane.l1, edge), kLeastSemiAxis * least);
     piece->trust = 1.0F / static_cast<float>(1 << 3 * (level - base_));
-    return line ? Fate::kLine : Fate::kSurface;
+    if (line) return Fate::kLine;
+    return level > base_ ? Fate::kBridge : Fate::kSurface;
   }
 
   std::vector<uint8_t> parentsOfUnfinished(int level) const {
@@ -114,27 +127,33 @@ class Fitter {
       const std::size_t end =
           parent + 1 < wanted.size() ? above.first_child[parent + 1] : fates.size();
       for (std::size_t child = above.first_child[parent]; child < end; ++child) {
-        if (fates[child] == Fate::kOpen || fates[child] == Fate::kLine) wanted[parent] = 1;
+        if (fates[child] == Fate::kOpen || fates[child] == Fate::kLine) wanted[parent] = kPiece;
+        if (fates[child] == Fate::kBridge && wanted[parent] == 0) wanted[parent] = kSecondPiece;
       }
     }
     return wanted;
   }
 
-  /// A piece of its own for every voxel that no level found a surface for.
+  /// A piece of its own, or of the line it is on, for every voxel that no level found a surface
+  /// for.
   void addLeftOver() {
     const VoxelLevel& voxels = pyramid_.level(base_);
     const auto edge = static_cast<float>(1 << base_);
     for (std::size_t i = 0; i < voxels.grid.size(); ++i) {
-      if (fates_[0][i] != Fate::kOpen) continue;
+      if (fates_[0][i] != Fate::kOpen && fates_[0][i] != Fate::kLine) continue;
       uint64_t key = voxels.grid.keys()[i];
       const PointSums& sums = voxels.sums[i];
       bool found = false;
       for (std::size_t up = 1; up < fates_.size() && !found; ++up) {
         const uint32_t above =
             pyramid_.level(base_ + static_cast<int>(up)).grid.find(key >> 3 * up);
-        found = fates_[up][above] == Fate::kSurface;
+        found = fates_[up][above] == Fate::kSurface || fates_[up][above] == Fate::kBridge;
       }
       if (found) continue;
+      if (fates_[0][i] == Fate::kLine) {
+        fits_.push_back(lines_[i]);
+        continue;
+      }
       SurfaceFit piece;
       piece.center =
           brickCenter(key >> 6, base_) + Eigen::Vector3f(sums.x, sums.y, sums.z) / sums.count;
@@ -152,6 +171,7 @@ class Fitter {
   ThreadPool* pool_;
   std::vector<std::vector<Fate>> fates_;  // by level from base_
   std::vector<SurfaceFit> fits_;
+  std::vector<SurfaceFit> lines_;  // by voxel of level base_
 };
 
 /// Adds up the 27 voxels around every wanted one of a brick.
@@ -210,9 +230,9 @@ class BrickSums {
     }
   }
 
-  /// Of an odd voxel: whether three of its sides, which are even and never left out, are wanted.
+  /// Of an odd voxel: whether four of its sides, which are even and never left out, are wanted.
   bool isCovered(int place, const std::vector<uint8_t>& wanted) const {
-    constexpr int kSidesEnough = 3;
+    constexpr int kSidesEnough = 4;
     int sides = 0;
     for (const int step : {-1, 1, -kRow, kRow, -kLayer, kLayer}) {
       const uint32_t other = block_[static_cast<std::size_t>(place + step)];

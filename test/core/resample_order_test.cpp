@@ -28,11 +28,13 @@ class ResampleOrder : public testing::TestWithParam<std::string> {
     return {samples.positions_m.begin(),
             samples.positions_m.begin() + static_cast<std::ptrdiff_t>(count)};
   }
-  /// Places of the true surface, a third of `spacing_m` apart.
+  /// Places of the true surface, a third of `spacing_m` apart; those that noise puts beyond the rim
+  /// of the crust are left out.
   static std::vector<Eigen::Vector3d> surface(const Sheet& sheet, double spacing_m) {
+    constexpr double kRim_m = 0.02;
     std::vector<Eigen::Vector3d> places;
-    for (double x = 0.0; x <= sheet.length_m; x += spacing_m / 3.0) {
-      for (double y = 0.0; y <= sheet.width_m; y += spacing_m / 3.0) {
+    for (double x = kRim_m; x <= sheet.length_m - kRim_m; x += spacing_m / 3.0) {
+      for (double y = kRim_m; y <= sheet.width_m - kRim_m; y += spacing_m / 3.0) {
         places.push_back(sheet.pose * Eigen::Vector3d(x, y, 0.0));
       }
     }
@@ -106,10 +108,10 @@ TEST_P(ResampleOrder, CoveringRadiiAreTrue) {
     const double spacing_m = std::sqrt(sheet.area() / static_cast<double>(count));
     const double farthest_m =
         coveringOf(chosen, surface(sheet, std::min(spacing_m, 0.3)), 1.0).distance_m.max;
-    // The crust ends within a cell of the rim, and the arrival times have an error of their own.
+    // Times are told of places in the middle of cells: others are up to half a diagonal farther.
     const double told_m = samples.covering_radii[count - 1];
-    EXPECT_LT(farthest_m, 1.05 * told_m + 1.5 * samples.cell_size_m) << count;
-    EXPECT_GT(farthest_m, 0.95 * told_m - 1.5 * samples.cell_size_m) << count;
+    EXPECT_LT(farthest_m, 1.05 * told_m + 0.75 * samples.cell_size_m) << count;
+    EXPECT_GT(farthest_m, 0.95 * told_m - 0.75 * samples.cell_size_m) << count;
   }
 }
 

@@ -30,8 +30,8 @@ struct ResampledCloud {
   std::vector<Eigen::Vector3f> normals;      ///< unit, towards the sensor
   std::vector<uint32_t> sources;             ///< index of the nearest point of the input
   /// The farthest any place of the crust was from the samples up to and with this one: m where the
-  /// weight is 1, arrival time elsewhere. Does not grow. Infinite until every component has a
-  /// sample.
+  /// weight is 1, arrival time elsewhere; straight among the first samples, and so across islands
+  /// that have none yet. Does not grow.
   std::vector<float> covering_radii;
   std::vector<float> weights;  ///< of the crust at the sample
 
@@ -61,10 +61,11 @@ class CloudResampler {
   /// std::runtime_error where a policy needs a field that the cloud lacks.
   ResampledCloud resample(const PoseCloudData& cloud, const Policies& policies = {});
 
-  /// Adds points to the cloud that was re-sampled last. Crust and fronts are extended where the
-  /// points change them and samples that are there stay; `config.count` then means this many more
-  /// and `radius_m` is what it was. `sources` count through the clouds in the order they were
-  /// given.
+  /// Adds points to the cloud that was re-sampled last. The crust is that of all points; samples
+  /// that are there stay, first and in their order, but for the few whose surface is now found to
+  /// be elsewhere. `config.count` then means this many more, as far as cells of the size chosen at
+  /// first hold them, and `radius_m` is what it was. `sources` count through the clouds in the
+  /// order they were given.
   ResampledCloud extend(const PoseCloudData& more);
 
  private:

@@ -15,7 +15,8 @@ namespace ladar_perception {
 /// When to stop: at the first of the conditions that are set. Lengths in cells.
 struct FarthestPointsGoal {
   std::size_t count = 0;  ///< samples; 0: not set
-  float radius = 0;       ///< arrival time no cell exceeds; 0: not set
+  /// No cell is reached later, but where a sample is nearer in a straight line; 0: not set.
+  float radius = 0;
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
   /// First radius: samples that far apart are put in at random, farther ones need not be looked
   /// for.
@@ -26,8 +27,9 @@ struct FarthestPointsGoal {
 struct SampleSet {
   std::vector<uint32_t> cells;  ///< cell a sample lies in; no two in one
   std::vector<Eigen::Vector3f> positions;
-  /// Greatest arrival time that is left when this sample and those before it are in. Among the
-  /// first samples, those of the random start, it is the straight distance times the mean slowness.
+  /// Greatest arrival time that is left when this sample and those before it are in; does not grow.
+  /// Among the first samples, those of the random start, it is the straight distance times the mean
+  /// slowness, and up to a tenth too little: late vertices stand for all places between.
   std::vector<float> covering;
   float radius_reached = 0;  ///< the next sample would have been at most this far
 

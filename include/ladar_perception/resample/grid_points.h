@@ -18,7 +18,9 @@ struct GridFrame {
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
   double cell_m = 1.0;
 
-  Eigen::Vector3d toCells(const Eigen::Vector3d& p_m) const { return (p_m - origin_m) * (1.0 / cell_m); }
+  Eigen::Vector3d toCells(const Eigen::Vector3d& p_m) const {
+    return (p_m - origin_m) * (1.0 / cell_m);
+  }
   Eigen::Vector3d toMetres(const Eigen::Vector3f& p_cells) const {
     return origin_m + cell_m * p_cells.cast<double>();
   }

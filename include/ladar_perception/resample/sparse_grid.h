@@ -67,8 +67,8 @@ class SparseGrid {
 
   std::vector<uint64_t> keys_;
   std::vector<Brick> bricks_;
-  std::vector<uint32_t> slots_;  // open addressing: brick by the hash of its key
-  uint64_t slot_mask_ = 0;
+  std::vector<uint32_t> slots_ = {kNoIndex, kNoIndex};  // open addressing: brick by hash of its key
+  uint64_t slot_mask_ = 1;
   int slot_shift_ = 63;
 };
 
