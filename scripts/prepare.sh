@@ -9,7 +9,7 @@ build_packages=(
   ros-std-msgs ros-geometry-msgs ros-sensor-msgs libroscpp-dev libroslib-dev libnodeletlib-dev
   pluginlib-dev libtf2-dev libtf2-ros-dev libtf2-msgs-dev libsensor-msgs-dev libstd-srvs-dev
   libgeometry-msgs-dev libnav-msgs-dev libdiagnostic-updater-dev librosbag-dev libeigen3-dev
-  libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libpcl-dev libarmadillo-dev
+  libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libpcl-dev libarmadillo-dev libceres-dev
   libnanoflann-dev)
 run_packages=(
   libnodeletlib-tools python3-roslaunch python3-rosbag librosbag-dev python3-rospy rosout rosbash

@@ -18,6 +18,7 @@
 
 #include "ladar_perception/io/output_file.h"
 #include "ladar_perception/io/scan_writer.h"
+#include "ladar_perception/sim/drifting_odometry.h"
 #include "ladar_perception/sim/scan_cloud.h"
 #include "ladar_perception/sim/sensors.h"
 #include "ladar_perception/sim/true_cloud.h"
@@ -29,6 +30,7 @@ namespace {
 
 using ladar_perception::Progress;
 using ladar_perception::ScanBagWriter;
+using ladar_perception::sim::DriftingOdometry;
 using ladar_perception::sim::Ladar;
 using ladar_perception::sim::LadarConfig;
 using ladar_perception::sim::ScanSummary;
@@ -47,6 +49,8 @@ struct Options {
   std::string sensor = "xuv";
   double sensor_height_m = 0.0;  // 0: the sensor's own
   std::string look;              // empty: where the sensor looks by itself
+  double drift_percent = 0.0;
+  double drift_deg = 0.0;
   std::string out;
   std::string cloud;
   ladar_perception::sim::TrueCloudConfig dense;
@@ -54,6 +58,10 @@ struct Options {
   double at_m = 152.0;
   double left_m = -4.5;
 };
+
+bool drifts(const Options& options) {
+  return options.drift_percent != 0.0 || options.drift_deg != 0.0;
+}
 
 ros::Time stampAt(double time_s) {
   // Rounded to nanoseconds once, so that equal times give equal stamps.
@@ -66,15 +74,23 @@ ros::Time stampAt(double time_s) {
 /// Writes poses at a fixed rate, in step with the scans.
 class PoseRecorder {
  public:
-  PoseRecorder(const VehiclePath& path, const Ladar& ladar, ScanBagWriter* bag)
-      : path_(path), ladar_(ladar), bag_(bag) {}
+  PoseRecorder(const VehiclePath& path, const Ladar& ladar, const Options& options,
+               ScanBagWriter* bag)
+      : path_(path),
+        ladar_(ladar),
+        odometry_(options.drift_percent, options.drift_deg),
+        has_drift_(drifts(options)),
+        bag_(bag) {}
 
   /// Writes all poses not yet written up to `time_s`. The first lies before time 0, because
   /// transforms can be interpolated only between two samples.
   void writeUntil(double time_s) {
     for (; static_cast<double>(next_) / kPoseRateHz <= time_s + 1e-9; ++next_) {
       const double t = static_cast<double>(next_) / kPoseRateHz;
-      bag_->writeTransform(stampAt(t), "odom", "base_link", path_.T_odom_base(t));
+      const Eigen::Isometry3d T_truth_base = path_.T_odom_base(t);
+      bag_->writeTransform(stampAt(t), "odom", "base_link",
+                           has_drift_ ? odometry_.next(T_truth_base) : T_truth_base);
+      if (has_drift_) bag_->writePose(stampAt(t), "/ground_truth", "truth", T_truth_base);
       bag_->writeTransform(stampAt(t), "base_link", "ladar", ladar_.T_base_ladar(t));
     }
   }
@@ -82,6 +98,8 @@ class PoseRecorder {
  private:
   const VehiclePath& path_;
   const Ladar& ladar_;
+  DriftingOdometry odometry_;
+  bool has_drift_;
   ScanBagWriter* bag_;
   int64_t next_ = -1;
 };
@@ -122,7 +140,7 @@ void simulate(const Options& options) {
   const VehiclePath path(world.circuit, world.scene.ground(), options.speed_m_s);
   const Ladar ladar(config, world.scene, path, options.seed);
   const auto layout = ladar_perception::sim::scanLayout(config);
-  PoseRecorder poses(path, ladar, &bag);
+  PoseRecorder poses(path, ladar, options, &bag);
   ScanSummary summary;
   Progress progress("scans", scans);
   for (uint64_t i = 0; i < scans; ++i) {
@@ -244,6 +262,19 @@ void addOptions(CLI::App* app, Options* options) {
                   "bytes")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  app->add_option(
+         "--odometry-scale-error", options->drift_percent,
+         "Percent by which odometry measures too far, -50 to 50; the true poses are then on "
+         "/ground_truth")
+      ->check(CLI::Range(-50.0, 50.0))
+      ->check(finite)
+      ->capture_default_str();
+  app->add_option("--odometry-heading-drift", options->drift_deg,
+                  "Degrees per 100 m by which odometry turns to the left, -90 to 90; true poses as "
+                  "before")
+      ->check(CLI::Range(-90.0, 90.0))
+      ->check(finite)
+      ->capture_default_str();
   app->add_option("--out", options->out, "Bag to write; replaced if it exists")
       ->type_name("FILE.bag");
 }
@@ -257,6 +288,7 @@ void addCloudOptions(CLI::App* app, Options* options) {
                                 "surface and the number of the flat face it lies on (0: none)");
   cloud->type_name("FILE")->group(group)->excludes("--out")->excludes("--sensor");
   cloud->excludes("--look")->excludes("--duration")->excludes("--speed");
+  cloud->excludes("--odometry-scale-error")->excludes("--odometry-heading-drift");
   const auto add = [&](const std::string& name, double* value, double low, double high,
                        const std::string& help) {
     app->add_option(name, *value, help)

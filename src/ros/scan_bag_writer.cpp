@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan_bag_writer.h"
 
+#include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/TransformStamped.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <tf2_msgs/TFMessage.h>
@@ -77,6 +78,23 @@ void ScanBagWriter::writeTransform(const ros::Time& stamp, const std::string& pa
   tf2_msgs::TFMessage message;
   message.transforms.push_back(makeTransform(stamp, parent, child, T_parent_child));
   bag_.write("/tf", stamp, message);
+}
+
+void ScanBagWriter::writePose(const ros::Time& stamp, const std::string& topic,
+                              const std::string& frame, const Eigen::Isometry3d& T_frame_pose) {
+  geometry_msgs::PoseStamped message;
+  message.header.stamp = stamp;
+  message.header.frame_id = frame;
+  const Eigen::Vector3d& p = T_frame_pose.translation();
+  const Eigen::Quaterniond q(T_frame_pose.rotation());
+  message.pose.position.x = p.x();
+  message.pose.position.y = p.y();
+  message.pose.position.z = p.z();
+  message.pose.orientation.x = q.x();
+  message.pose.orientation.y = q.y();
+  message.pose.orientation.z = q.z();
+  message.pose.orientation.w = q.w();
+  bag_.write(topic, stamp, message);
 }
 
 void ScanBagWriter::writeCloud(const ros::Time& stamp, const ros::Time& record_time,

@@ -28,6 +28,9 @@ class ScanBagWriter {
                             const std::string& child, const Eigen::Isometry3d& T_parent_child);
   void writeTransform(const ros::Time& stamp, const std::string& parent, const std::string& child,
                       const Eigen::Isometry3d& T_parent_child);
+  /// A pose in `frame`, as geometry_msgs/PoseStamped.
+  void writePose(const ros::Time& stamp, const std::string& topic, const std::string& frame,
+                 const Eigen::Isometry3d& T_frame_pose);
   /// Writes a cloud stamped `stamp`, recorded at `record_time` (when its last point was measured).
   /// `is_dense` says that no point is NaN or infinite.
   void writeCloud(const ros::Time& stamp, const ros::Time& record_time, const std::string& frame,

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <geometry_msgs/PoseStamped.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <map>
 
 #include "program_bag.h"
 #include "program_run.h"
@@ -235,6 +239,69 @@ TEST(SimulateLadar, Helps) {
              {"--scene", "flat_ground", "forest", "tall_grass", "campus", "street", "scrubland",
               "--sensor", "vlp16", "pushbroom", "--sensor-height", "--look", "--duration",
               "--speed", "--seed", "--out"});
+}
+
+/// Poses of a PoseStamped topic by their stamps.
+std::map<ros::Time, Eigen::Isometry3d> readPoses(const std::string& path,
+                                                 const std::string& topic) {
+  std::map<ros::Time, Eigen::Isometry3d> poses;
+  const rosbag::Bag bag(path);
+  for (const rosbag::MessageInstance& message : rosbag::View(bag, rosbag::TopicQuery(topic))) {
+    const auto pose = message.instantiate<geometry_msgs::PoseStamped>();
+    EXPECT_EQ(pose->header.frame_id, "truth");
+    geometry_msgs::Transform transform;
+    transform.translation.x = pose->pose.position.x;
+    transform.translation.y = pose->pose.position.y;
+    transform.translation.z = pose->pose.position.z;
+    transform.rotation = pose->pose.orientation;
+    poses[pose->header.stamp] = poseOf(transform);
+  }
+  return poses;
+}
+
+TEST(SimulateLadar, OdometryDriftsInProportionToTheDistance) {
+  const ScratchFolder folder;
+  const std::vector<std::string> arguments = {
+      "--scene", "campus", "--sensor", "pushbroom", "--speed", "10", "--duration", "2", "--out"};
+  const auto simulate = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> all = arguments;
+    all.push_back(folder.file(name));
+    all.insert(all.end(), more.begin(), more.end());
+    expectSuccess(runProgram("simulate_ladar", all));
+    return folder.file(name);
+  };
+  const std::string exact = simulate("exact.bag", {});
+  const std::string drifted =
+      simulate("drifted.bag", {"--odometry-scale-error", "5", "--odometry-heading-drift", "20"});
+  const auto truth = readTransforms(exact, "/tf").at({"odom", "base_link"});
+  const auto odometry = readTransforms(drifted, "/tf").at({"odom", "base_link"});
+  EXPECT_TRUE(readPoses(exact, "/ground_truth").empty());
+  const auto recorded = readPoses(drifted, "/ground_truth");
+  ASSERT_EQ(recorded.size(), truth.size());
+  for (const auto& [stamp, pose] : recorded) {
+    EXPECT_TRUE(pose.isApprox(truth.at(stamp), 1e-9)) << "the truth stays what it was";
+  }
+  // About 20 m: a metre too far along the track, 4 degrees to the left.
+  double true_m = 0.0;
+  double odometry_m = 0.0;
+  for (auto it = truth.begin(); std::next(it) != truth.end(); ++it) {
+    const auto& [stamp, next] = *std::next(it);
+    true_m += (next.translation() - it->second.translation()).norm();
+    odometry_m += (odometry.at(stamp).translation() - odometry.at(it->first).translation()).norm();
+  }
+  EXPECT_NEAR(odometry_m / true_m, 1.05, 1e-6);
+  const Eigen::Matrix3d turned =
+      truth.rbegin()->second.linear().transpose() * odometry.rbegin()->second.linear();
+  const double degrees = Eigen::AngleAxisd(turned).angle() * 180.0 / M_PI;
+  EXPECT_NEAR(degrees, 0.2 * true_m, 0.05);
+  EXPECT_GT(turned(1, 0), 0.0) << "to the left";
+  // What was measured is the same.
+  const auto exact_clouds = readClouds(exact, "/points");
+  const auto drifted_clouds = readClouds(drifted, "/points");
+  ASSERT_EQ(exact_clouds.size(), drifted_clouds.size());
+  for (std::size_t i = 0; i < exact_clouds.size(); ++i) {
+    EXPECT_EQ(exact_clouds[i].cloud.data, drifted_clouds[i].cloud.data);
+  }
 }
 
 }  // namespace
