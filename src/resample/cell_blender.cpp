@@ -216,10 +216,12 @@ class TileGrid {
     if (other.trust == 0.0F || std::isnan(other.plane[3])) return false;
     const Eigen::Array4f& own = blends_[cell].plane;
     if (std::abs((other.plane * own).head<3>().sum()) < kSameNormal) return false;
+    // Of two cells of one column both compare the same two heights, so that one of them stays.
+    const int other_axis = mainAxis(other.plane);
     const float here = std::abs(own[3]);
-    // Its own column may run along another axis.
     const float there =
-        std::abs(other.plane[3] * other.plane[mainAxis(other.plane)] / other.plane[axis]);
+        other_axis == axis ? std::abs(other.plane[3])
+                           : std::abs(other.plane[3] * other.plane[other_axis] / other.plane[axis]);
     return there < here || (there == here && side > 0);
   }
 

@@ -4,9 +4,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "crust_clouds.h"
 #include "ladar_perception/resample/morton.h"
 #include "ladar_perception/resample/surface_fit.h"
-#include "crust_clouds.h"
 
 namespace ladar_perception {
 namespace {
@@ -121,7 +121,7 @@ TEST(SumNeighborhoods, AreThoseOfTheTwentySevenVoxels) {
     const VoxelLevel& level = gridded.pyramid.level(number);
     std::vector<uint8_t> wanted(level.grid.size());
     for (uint8_t& flag : wanted) flag = random.integer(0, 1) != 0 ? 1 : 0;
-    const std::vector<PointSums> sums = sumNeighborhoods(level, number, wanted, &pool);
+    const std::vector<PointSums> sums = sumNeighborhoods(level, number, false, &wanted, &pool);
     ASSERT_EQ(sums.size(), level.grid.size());
     for (std::size_t i = 0; i < sums.size(); ++i) {
       if (wanted[i] == 0) continue;
