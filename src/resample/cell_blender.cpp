@@ -88,32 +88,33 @@ class TileGrid {
     const std::size_t v = columns.v;
     const Eigen::Vector3f& c = columns.center;
     const Eigen::Array4f plane(piece.normal.x(), piece.normal.y(), piece.normal.z(), 0.0F);
-    const auto axis_at = static_cast<int>(columns.axis);
-    const float base_height = c[axis_at] - static_cast<float>(corner_[columns.axis]);
-    const float base_u = 0.5F + static_cast<float>(corner_[u]) - c[static_cast<int>(u)];
-    const float base_v = 0.5F + static_cast<float>(corner_[v]) - c[static_cast<int>(v)];
+    // All places count from the origin, not from the tile: where tiles meet, both compute the same
+    // bits for a cell, and agree on which of two cells of a column stays.
+    const float base_u = 0.5F - c[static_cast<int>(u)];
+    const float base_v = 0.5F - c[static_cast<int>(v)];
     // Along a row of columns the ellipse is s^2 + t^2 <= 1 with s and t linear in ru.
     const float square = columns.s_u * columns.s_u + columns.t_u * columns.t_u;
     const float by_square = 1.0F / square;
-    const int v_end = std::min(range.high[v] - corner_[v], kEdge - 1);
-    for (int iv = std::max(range.low[v] - corner_[v], 0); iv <= v_end; ++iv) {
-      const float rv = static_cast<float>(iv) + base_v;
+    const int v_end = std::min(range.high[v], corner_[v] + kEdge - 1);
+    for (int cv = std::max(range.low[v], corner_[v]); cv <= v_end; ++cv) {
+      const float rv = static_cast<float>(cv) + base_v;
       const float s = columns.s_v * rv;
       const float t = columns.t_v * rv;
       const float middle = -(columns.s_u * s + columns.t_u * t) * by_square;
       const float half2 = middle * middle - (s * s + t * t - 1.0F) * by_square;
       if (half2 < 0.0F) continue;
       const float half = std::sqrt(half2);
-      const int u_begin = std::max(-floorToInt(base_u - (middle - half)), 0);
-      const int u_end = std::min(floorToInt(middle + half - base_u), kEdge - 1);
-      for (int iu = u_begin; iu <= u_end; ++iu) {
-        const float ru = static_cast<float>(iu) + base_u;
+      const int u_begin = std::max(-floorToInt(base_u - (middle - half)), corner_[u]);
+      const int u_end = std::min(floorToInt(middle + half - base_u), corner_[u] + kEdge - 1);
+      for (int cu = u_begin; cu <= u_end; ++cu) {
+        const float ru = static_cast<float>(cu) + base_u;
         const float off = ru - middle;
         const float inside = (half2 - off * off) * square;
-        addToColumn(piece, plane, columns.axis,
-                    base_height + columns.height_u * ru + columns.height_v * rv,
-                    piece.trust * (std::max(inside, 0.0F) + kRimWeight),
-                    iu * kStrides[u] + iv * kStrides[v]);
+        addToColumn(
+            piece, plane, columns.axis,
+            c[static_cast<int>(columns.axis)] + columns.height_u * ru + columns.height_v * rv,
+            piece.trust * (std::max(inside, 0.0F) + kRimWeight),
+            (cu - corner_[u]) * kStrides[u] + (cv - corner_[v]) * kStrides[v]);
       }
     }
   }
@@ -159,10 +160,10 @@ class TileGrid {
 
   void addToColumn(const SurfaceFit& piece, const Eigen::Array4f& plane, std::size_t axis,
                    float height, float trust, int column) {
-    const int low = std::max(floorToInt(height - kBorder), 0);
-    const int high = std::min(floorToInt(height + kBorder), kEdge - 1);
+    const int low = std::max(floorToInt(height - kBorder), corner_[axis]);
+    const int high = std::min(floorToInt(height + kBorder), corner_[axis] + kEdge - 1);
     for (int at = low; at <= high; ++at) {
-      const auto cell = static_cast<std::size_t>(column + at * kStrides[axis]);
+      const auto cell = static_cast<std::size_t>(column + (at - corner_[axis]) * kStrides[axis]);
       Blend& blend = blends_[cell];
       if (blend.trust == 0.0F) touched_.push_back(static_cast<uint16_t>(cell));
       blend.plane += trust * plane;

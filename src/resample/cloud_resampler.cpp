@@ -25,8 +25,9 @@ using Clock = std::chrono::steady_clock;
 
 // Samples on a surface of area A have the mean spacing a with A = 0.8 a^2 a sample.
 constexpr double kAreaPerSample = 0.8;
-// About three cells a sample: with fewer, places are missed and left too far from any sample.
-constexpr double kCellPerSpacing = 0.55;
+// About three and a half cells a sample: with fewer, places are missed and left too far from any
+// sample.
+constexpr double kCellPerSpacing = 0.46;
 // The random start's distance, in spacings: large enough that most samples are put in by the
 // rounds, small enough that few long fronts are run.
 constexpr float kFirstRadiusPerSpacing = 2.4F;
@@ -34,7 +35,7 @@ constexpr float kFirstRadiusPerSpacing = 2.4F;
 constexpr double kRadiusPerSpacing = 0.85;
 // The cell size, from an estimate of the area, is corrected by the crust's own area if it is off by
 // more than this: larger cells would be too few for good places, smaller ones too many for speed.
-constexpr double kCellSizeSlack = 1.25;
+constexpr double kCellSizeSlack = 1.2;
 // Every so many points are enough to estimate an area, as long as these are left.
 constexpr std::size_t kEstimateStride = 4;
 constexpr std::size_t kEstimatePoints = 20000;
@@ -286,17 +287,21 @@ class CloudResampler::Impl {
     for (int attempt = 0;; ++attempt) {
       makeCrust(frameFor(points_.positions_m, cell_m));
       if (config_.cell_size_m > 0.0 || attempt == 2) return cell_m;
-      const double better_m = cellFor(weightedArea());
+      // By the faces: what counts is how many cells there are, and at a slant they are farther
+      // apart.
+      const double better_m = cellFor(weightedArea(false));
       if (better_m < cell_m * kCellSizeSlack && cell_m < better_m * kCellSizeSlack) return cell_m;
       cell_m = better_m;
     }
   }
 
-  double weightedArea() const {
+  /// Areas of the crust's cells times their weights: of their faces along the grid, or of the
+  /// surface in them, which is larger at a slant.
+  double weightedArea(bool of_surface) const {
     double cells = 0.0;
     for (std::size_t i = 0; i < crust_.size(); ++i) {
-      cells += double{crust_.edge(i)} * crust_.edge(i) * crust_.weight(i) /
-               crust_.normals[i].cwiseAbs().maxCoeff();
+      const double face = double{crust_.edge(i)} * crust_.edge(i) * crust_.weight(i);
+      cells += of_surface ? face / crust_.normals[i].cwiseAbs().maxCoeff() : face;
     }
     return cells * crust_.frame.cell_m * crust_.frame.cell_m;
   }
@@ -364,7 +369,7 @@ class CloudResampler::Impl {
     goal.count = static_cast<std::size_t>(config_.count);
     goal.radius = static_cast<float>(config_.radius_m / unit());
     goal.deadline = deadline();
-    const auto spacing = static_cast<float>(spacingFor(weightedArea()) / crust_.frame.cell_m);
+    const auto spacing = static_cast<float>(spacingFor(weightedArea(true)) / crust_.frame.cell_m);
     goal.first_radius = std::max(kFirstRadiusPerSpacing * spacing, 1.0F);
     return goal;
   }

@@ -17,6 +17,7 @@ namespace {
 // The radius falls by this from round to round; the last ones, by a smaller step, decide on places.
 constexpr float kFirstStep = 0.8F;
 constexpr float kLastStep = 0.9F;
+constexpr int kPasses = 2;           // over every tile in a round
 constexpr float kLastRounds = 0.4F;  // of the first radius
 // Vertices lie up to half a cell from the cells around them, whose times are less by as much.
 constexpr float kVertexSlack = 0.6F;
@@ -169,7 +170,10 @@ class Chooser {
   void fillRound(float radius) {
     tiles_.run(pool_, [&](int thread, std::size_t i) {
       chosen_[i].clear();
-      fillTile(radius, &fronts_[static_cast<std::size_t>(thread)], i);
+      // Once more for vertices that others near them, which were later, had kept back.
+      for (int pass = 0; pass < kPasses; ++pass) {
+        fillTile(radius, &fronts_[static_cast<std::size_t>(thread)], i);
+      }
     });
     std::vector<Choice> choices;
     for (const std::vector<Choice>& of_tile : chosen_) {

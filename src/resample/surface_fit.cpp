@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ladar_perception/resample/surface_fit.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -11,12 +12,14 @@
 namespace ladar_perception {
 namespace {
 
-// A uniform sampling of a square of half-width b has the standard deviation b / sqrt(3): pieces end
-// a little beyond their points. With less, gaps between scan lines stay open that no voxel looks
-// across.
+// Lengths of semi-axes, in standard deviations, and the largest, in voxels: a uniform sampling of
+// the three voxels has a standard deviation of 0.87 of them. Pieces of the base level end a little
+// beyond their points: with less, gaps between scan lines stay open that no voxel looks across.
+// Those of coarser levels are large, and end where their points end.
 constexpr float kSemiAxisPerDeviation = 2.0F;
-// Pieces of neighbouring voxels overlap by this (in voxels); larger ones would round off edges.
 constexpr float kLargestSemiAxis = 1.5F;
+constexpr float kCoarseSemiAxisPerDeviation = 1.5F;
+constexpr float kLargestCoarseSemiAxis = 1.3F;
 // Narrower pieces could slip through between the centres of cells.
 constexpr float kLeastSemiAxis = 0.75F;
 // Points are on a line if the second eigenvalue is below this part of the first.
@@ -37,21 +40,33 @@ Eigen::Vector3f towards(const Eigen::Vector3f& sensor, const Eigen::Vector3f& fr
   return normal.dot(sensor - from) < 0.0F ? Eigen::Vector3f(-normal) : normal;
 }
 
-float semiAxis(float eigenvalue, float edge) {
-  return std::clamp(kSemiAxisPerDeviation * std::sqrt(std::max(eigenvalue, 0.0F)), kLeastSemiAxis,
-                    kLargestSemiAxis * edge);
+/// `voxel` and `base`: edges of the voxels that were fitted and of the base level.
+float semiAxis(float eigenvalue, float voxel, float base) {
+  const bool coarse = voxel > base;
+  const float deviation = std::sqrt(std::max(eigenvalue, 0.0F));
+  const float length = (coarse ? kCoarseSemiAxisPerDeviation : kSemiAxisPerDeviation) * deviation;
+  const float most = (coarse ? kLargestCoarseSemiAxis : kLargestSemiAxis) * voxel;
+  return std::clamp(length, kLeastSemiAxis * base, most);
 }
 
 /// The part of the direction to the sensor across `along` (zero: any), unit length.
 Eigen::Vector3f facing(const Eigen::Vector3f& sensor, const Eigen::Vector3f& from,
                        const Eigen::Vector3f& along) {
-  Eigen::Vector3f normal = sensor - from;
-  normal -= normal.dot(along) * along;
-  const float length = normal.norm();
-  if (length > 1e-3F) return normal / length;
-  const Eigen::Vector3f any =
-      std::abs(along.z()) < 0.9F ? Eigen::Vector3f::UnitZ() : Eigen::Vector3f::UnitX();
-  return (any - any.dot(along) * along).normalized();
+  const Eigen::Vector3f ray = sensor - from;
+  const Eigen::Vector3f across = ray - ray.dot(along) * along;
+  // What is left of a ray along the line is rounding.
+  if (across.norm() > 1e-3F * ray.norm()) return across.normalized();
+  return along.isZero() ? Eigen::Vector3f::UnitZ() : Eigen::Vector3f(along.unitOrthogonal());
+}
+
+/// A normal for points in a line, which fit many planes. Lines that lie are most likely a scan on
+/// the ground, and are taken for a strip of it; others face the sensor.
+Eigen::Vector3f normalOfLine(const Eigen::Vector3f& sensor, const Eigen::Vector3f& center,
+                             const Eigen::Vector3f& along) {
+  constexpr float kLying = 0.7F;
+  if (std::abs(along.z()) > kLying) return facing(sensor, center, along);
+  const Eigen::Vector3f up = Eigen::Vector3f::UnitZ() - along.z() * along;
+  return towards(sensor, center, up.normalized());
 }
 
 class Fitter {
@@ -97,7 +112,7 @@ class Fitter {
     for (std::size_t i = 0; i < fits.size(); ++i) {
       if (fates[i] == Fate::kSurface || fates[i] == Fate::kBridge) fits_.push_back(fits[i]);
     }
-    if (level == base_) lines_ = std::move(fits);
+    found_.push_back(std::move(fits));
   }
 
   Fate fit(const PointSums& sums, const Eigen::Vector3f& brick_center, int level,
@@ -105,15 +120,15 @@ class Fitter {
     if (sums.count < kPlanePoints) return Fate::kOpen;
     const PlaneFit plane = fitPlane(sums);
     const bool line = plane.l1 < kLineRatio * plane.l2;
-    if (level > base_ && (line || plane.l0 > kPlanarRatio * plane.l1)) return Fate::kOpen;
+    if (level > base_ && !line && plane.l0 > kPlanarRatio * plane.l1) return Fate::kOpen;
     const auto edge = static_cast<float>(1 << level);
-    const float least = static_cast<float>(1 << base_);
+    const auto base = static_cast<float>(1 << base_);
     piece->center = brick_center + plane.mean;
-    piece->normal = line ? facing(sensor_, piece->center, plane.major)
+    piece->normal = line ? normalOfLine(sensor_, piece->center, plane.major)
                          : towards(sensor_, piece->center, plane.normal);
     piece->major = plane.major;
-    piece->semi_major = std::max(semiAxis(plane.l2, edge), kLeastSemiAxis * least);
-    piece->semi_minor = std::max(semiAxis(plane.l1, edge), kLeastSemiAxis * least);
+    piece->semi_major = semiAxis(plane.l2, edge, base);
+    piece->semi_minor = semiAxis(plane.l1, edge, base);
     piece->trust = 1.0F / static_cast<float>(1 << 3 * (level - base_));
     if (line) return Fate::kLine;
     return level > base_ ? Fate::kBridge : Fate::kSurface;
@@ -144,21 +159,24 @@ class Fitter {
       uint64_t key = voxels.grid.keys()[i];
       const PointSums& sums = voxels.sums[i];
       bool found = false;
+      Eigen::Vector3f normal = Eigen::Vector3f::Zero();
       for (std::size_t up = 1; up < fates_.size() && !found; ++up) {
         const uint32_t above =
             pyramid_.level(base_ + static_cast<int>(up)).grid.find(key >> 3 * up);
         found = fates_[up][above] == Fate::kSurface || fates_[up][above] == Fate::kBridge;
+        if (fates_[up][above] == Fate::kLine && normal.isZero()) normal = found_[up][above].normal;
       }
       if (found) continue;
       if (fates_[0][i] == Fate::kLine) {
-        fits_.push_back(lines_[i]);
+        fits_.push_back(found_[0][i]);
         continue;
       }
       SurfaceFit piece;
       piece.center =
           brickCenter(key >> 6, base_) + Eigen::Vector3f(sums.x, sums.y, sums.z) / sums.count;
-      piece.normal = facing(sensor_, piece.center, Eigen::Vector3f::Zero());
-      piece.major = facing(sensor_, piece.center, piece.normal);
+      piece.normal =
+          normal.isZero() ? facing(sensor_, piece.center, Eigen::Vector3f::Zero()) : normal;
+      piece.major = piece.normal.unitOrthogonal();
       piece.semi_major = piece.semi_minor = kLeastSemiAxis * edge;
       piece.weight = sums.weight / sums.count;
       fits_.push_back(piece);
@@ -171,7 +189,7 @@ class Fitter {
   ThreadPool* pool_;
   std::vector<std::vector<Fate>> fates_;  // by level from base_
   std::vector<SurfaceFit> fits_;
-  std::vector<SurfaceFit> lines_;  // by voxel of level base_
+  std::vector<std::vector<SurfaceFit>> found_;  // by level from base_ and voxel
 };
 
 /// Adds up the 27 voxels around every wanted one of a brick.

@@ -36,7 +36,7 @@ double expectArrivals(const Crust& crust, const std::vector<double>& times,
       expected = std::min(expected, distance(placeOf(crust, source), placeOf(crust, i)));
     }
     sum += times[i] - expected;
-    const double bound = double{kArrivalError} * expected + 0.5 + more_cells;
+    const double bound = double{kArrivalError} * expected + kArrivalErrorCells + more_cells;
     if (expected > farthest || std::abs(times[i] - expected) <= bound) continue;
     if (++wrong < 5) {
       ADD_FAILURE() << "cell at " << placeOf(crust, i).transpose() << ": " << times[i]

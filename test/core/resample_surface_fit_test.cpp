@@ -287,9 +287,10 @@ TEST(FitSurface, DuplicatesAreSmallPiecesWhereTheyAre) {
   }
 }
 
-TEST(FitSurface, AWireFacesTheSensorAcross) {
+/// Pieces of a line: on it, along it, with the normal across it that is nearest to
+/// `wanted(center)`.
+void expectLine(const Vector3d& direction, const std::function<Vector3d(const Vector3d&)>& wanted) {
   TestRandom random(8);
-  const Vector3d direction = Vector3d(3, 2, 1).normalized();
   const GriddedCloud gridded(
       test::segment(-30.0 * direction, 30.0 * direction, 1000, 0.0, &random));
   const Vector3f sensor(50, -20, 70);
@@ -301,11 +302,20 @@ TEST(FitSurface, AWireFacesTheSensorAcross) {
     ASSERT_LT((center - center.dot(direction) * direction).norm(), 0.01);
     ASSERT_NEAR(std::abs(piece.major.cast<double>().dot(direction)), 1.0, 1e-3);
     ASSERT_EQ(piece.trust, 1.0F);
-    // Of the directions across the wire the one nearest to the sensor's.
-    Vector3d across = sensor.cast<double>() - center;
+    Vector3d across = wanted(center);
     across -= across.dot(direction) * direction;
     ASSERT_GT(piece.normal.cast<double>().dot(across.normalized()), 0.999);
   }
+}
+
+TEST(FitSurface, AStandingLineFacesTheSensor) {
+  expectLine(Vector3d(1, -2, 4).normalized(),
+             [](const Vector3d& center) -> Vector3d { return Vector3d(50, -20, 70) - center; });
+}
+
+TEST(FitSurface, ALyingLineIsAStripOfGround) {
+  expectLine(Vector3d(3, 2, 1).normalized(),
+             [](const Vector3d&) -> Vector3d { return Vector3d::UnitZ(); });
 }
 
 TEST(FitSurface, LinesOnAPlaneFindIt) {

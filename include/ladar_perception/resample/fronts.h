@@ -70,11 +70,12 @@ struct FastMarching {
                       uint32_t cell, bool* in_sight);
 };
 
-/// Greatest error of FastMarching's arrival times, relative to the distance, plus half a cell: on a
-/// plane at any angle, a sphere of radius >= 10 cells (up to nine tenths of the way round, where
-/// fronts close on themselves) and the corner of two planes. The surfel crust itself cuts such a
-/// corner by up to a cell.
+/// Greatest error of FastMarching's arrival times, relative to the distance, plus some of a cell:
+/// on a plane at any angle, a sphere of radius >= 10 cells (up to nine tenths of the way round,
+/// where fronts close on themselves) and the corner of two planes. The surfel crust itself cuts
+/// such a corner by up to a cell.
 constexpr float kArrivalError = 0.02F;
+constexpr float kArrivalErrorCells = 0.7F;
 
 /// Sends fronts out from samples.
 template <typename Metric>
