@@ -129,7 +129,8 @@ TEST(ResampleCloud, StopsAtARadius) {
   expectSuccess(input.resample({"--radius", "0.2", "--out", out}));
   const Scan samples = readPcdScan(out);
   const auto distances = nearestDistances(positionsOf(readBack(input.path)), positionsOf(samples));
-  EXPECT_LT(summarize(distances).max, 0.2 * 1.15);
+  // No cell is farther; points between cells are, by up to half of a cell's diagonal.
+  EXPECT_LT(summarize(distances).max, 0.2 * 1.3);
   EXPECT_GT(summarize(distances).max, 0.2 * 0.8);
   EXPECT_LE(readColumn(samples, "covering_radius").back(), 0.2 + 1e-6);
 }
