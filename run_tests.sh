@@ -30,7 +30,7 @@ step "core without ROS, with sanitizers"
 build build/sanitize all -DLADAR_WITH_ROS=OFF -DLADAR_WARNINGS_AS_ERRORS=ON \
   -DLADAR_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=RelWithDebInfo \
   "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -g1"
-UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 ctest --test-dir build/sanitize \
+UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 ctest --test-dir build/sanitize -j "$(nproc)" \
   --output-on-failure --output-junit "$PWD/build/check_results/sanitize.xml" \
   >build/sanitize.log 2>&1 || true
 
