@@ -38,11 +38,11 @@ struct SampleSet {
 
 /// Chooses samples. The strategy puts every sample at the place the fronts reach last, a vertex of
 /// the Voronoi diagram of those before, one after the other. Here
-/// 1. random cells farther than `first_radius` from all before make a start (a Poisson-disk set
-/// that
-///    covers every island of the crust): the many long fronts of the first samples are not run;
-/// 2. rounds with radii that fall by a tenth fill in all vertices farther than the radius, tile by
-///    tile, each at the circumcentre of its three nearest samples, not at the middle of a cell;
+/// 1. random cells farther than `first_radius` from all before make a start (a Poisson-disk set:
+///    it covers every island of the crust): the many long fronts of the first samples are not run;
+/// 2. rounds with radii that fall by a fifth, then a tenth, fill in all vertices farther than the
+///    radius, tile by tile, each at the circumcentre of its three nearest samples, not at the
+///    middle of a cell;
 /// 3. samples are put into the order of their distances.
 /// Time is O(cells + samples) but for a logarithm in step 3. `field` is left with all fronts.
 /// Samples of `before` are in from the beginning, and first in the result: their fronts are run,
