@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Builds everything with warnings as errors and runs every test: core, programs, ROS, launch files,
-# catkin_lint, the core without ROS under the address and undefined-behaviour sanitizers, and an
-# install space. Tests on real data look for it in $LADAR_DATA (default ../shared/data).
+# catkin_lint, and an install space. Tests on real data look for it in $LADAR_DATA (default
+# ../shared/data). Sanitizers: scripts/check_sanitizers.sh.
 set -euo pipefail
 cd "$(dirname "$(realpath "$0")")"
 . scripts/prepare.sh
@@ -25,14 +25,6 @@ mkdir -p build/test_results build/check_results
 # Failures are counted from the reports, all of them.
 ninja -C build run_tests >build/run_tests.log 2>&1 ||
   echo "run_tests itself failed; see build/run_tests.log" >&2
-
-step "core without ROS, with sanitizers"
-build build/sanitize all -DLADAR_WITH_ROS=OFF -DLADAR_WARNINGS_AS_ERRORS=ON \
-  -DLADAR_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=RelWithDebInfo \
-  "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -g1"
-UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 ctest --test-dir build/sanitize -j "$(nproc)" \
-  --output-on-failure --output-junit "$PWD/build/check_results/sanitize.xml" \
-  >build/sanitize.log 2>&1 || true
 
 # check NAME COMMAND...: one more test, passed when the command succeeds.
 checks=()
@@ -59,4 +51,4 @@ check bench_saliency devel/lib/ladar_perception/bench_saliency "${once[@]}" \
 check bench_pipeline devel/lib/ladar_perception/bench_pipeline "${once[@]}" --benchmark_filter='patch/points_per_s:100k'
 
 step "done"
-scripts/summarize_tests.py build/test_results build/check_results/sanitize.xml "${checks[@]}"
+scripts/summarize_tests.py build/test_results "${checks[@]}"
