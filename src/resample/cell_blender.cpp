@@ -58,12 +58,14 @@ struct Columns {
 
 /// Weighted sums of the planes in a cell, later their mean.
 struct alignas(32) Blend {
-  /// Normal, and offset along it from the cell's middle; the mean has the height over the middle
+  /// Normal, and offset along it from the origin; the mean has the height over the cell's middle
   /// along the main axis instead, NaN where there is no plane or it is another cell's.
   Eigen::Array4f plane = Eigen::Array4f::Zero();
-  float trust = 0;  ///< 0 where no piece came
-  float weight = 0;
-  float facing = 0;  ///< of the trust, what counts for the normal's sign
+  /// Trust, 0 where no piece came, and weight; the others keep the sum one operation.
+  Eigen::Array4f counts = Eigen::Array4f::Zero();
+
+  float trust() const { return counts[0]; }
+  float weight() const { return counts[1]; }
 };
 
 /// A tile of cells with one cell around it: what a surface touches of it stays in the cache while
@@ -73,7 +75,7 @@ class TileGrid {
   static constexpr int kLevel = 5;
   static constexpr int kEdge = (1 << kLevel) + 2;
 
-  TileGrid() : blends_(kCells) {}
+  TileGrid() : blends_(kCells), touched_(kCells + 1) {}
 
   /// `origin_cell` is the cell at the origin; `tile` the tile's key.
   void begin(uint64_t tile, int origin_cell) {
@@ -87,7 +89,7 @@ class TileGrid {
     const std::size_t u = columns.u;
     const std::size_t v = columns.v;
     const Eigen::Vector3f& c = columns.center;
-    const Eigen::Array4f plane(piece.normal.x(), piece.normal.y(), piece.normal.z(), 0.0F);
+    const Brush brush(*this, piece, columns);
     // All places count from the origin, not from the tile: where tiles meet, both compute the same
     // bits for a cell, and agree on which of two cells of a column stays.
     const float base_u = 0.5F - c[static_cast<int>(u)];
@@ -95,6 +97,8 @@ class TileGrid {
     // Along a row of columns the ellipse is s^2 + t^2 <= 1 with s and t linear in ru.
     const float square = columns.s_u * columns.s_u + columns.t_u * columns.t_u;
     const float by_square = 1.0F / square;
+    const int u_least = corner_[u];
+    const int u_most = corner_[u] + kEdge - 1;
     const int v_end = std::min(range.high[v], corner_[v] + kEdge - 1);
     for (int cv = std::max(range.low[v], corner_[v]); cv <= v_end; ++cv) {
       const float rv = static_cast<float>(cv) + base_v;
@@ -104,17 +108,16 @@ class TileGrid {
       const float half2 = middle * middle - (s * s + t * t - 1.0F) * by_square;
       if (half2 < 0.0F) continue;
       const float half = std::sqrt(half2);
-      const int u_begin = std::max(-floorToInt(base_u - (middle - half)), corner_[u]);
-      const int u_end = std::min(floorToInt(middle + half - base_u), corner_[u] + kEdge - 1);
-      for (int cu = u_begin; cu <= u_end; ++cu) {
+      const int u_begin = std::max(-floorToInt(base_u - (middle - half)), u_least);
+      const int u_end = std::min(floorToInt(middle + half - base_u), u_most);
+      const float height = c[static_cast<int>(columns.axis)] + columns.height_v * rv;
+      int column = (u_begin - u_least) * kStrides[u] + (cv - corner_[v]) * kStrides[v];
+      for (int cu = u_begin; cu <= u_end; ++cu, column += kStrides[u]) {
         const float ru = static_cast<float>(cu) + base_u;
         const float off = ru - middle;
         const float inside = (half2 - off * off) * square;
-        addToColumn(
-            piece, plane, columns.axis,
-            c[static_cast<int>(columns.axis)] + columns.height_u * ru + columns.height_v * rv,
-            piece.trust * (std::max(inside, 0.0F) + kRimWeight),
-            (cu - corner_[u]) * kStrides[u] + (cv - corner_[v]) * kStrides[v]);
+        addToColumn(brush, height + columns.height_u * ru,
+                    piece.trust * (std::max(inside, 0.0F) + kRimWeight), column);
       }
     }
   }
@@ -123,8 +126,9 @@ class TileGrid {
   void finish(uint64_t tile, float edge, std::vector<Surfel>* surfels) {
     static const TilePlaces places;
     std::array<uint64_t, kOwnCells / 64> own{};  // bit per cell, in the order of keys
-    for (const uint16_t cell : touched_) {
-      meanOf(&blends_[cell]);
+    for (std::size_t i = 0; i < touched_count_; ++i) {
+      const uint16_t cell = touched_[i];
+      meanOf(cell);
       const uint16_t key = places.key_of_cell[cell];
       if (key != kOutside) own[key >> 6] |= uint64_t{1} << (key & 63);
     }
@@ -134,8 +138,8 @@ class TileGrid {
         addSurfel(places.cell_of_key[key], tile << 3 * kLevel | key, edge, surfels);
       }
     }
-    for (const uint16_t cell : touched_) blends_[cell] = Blend();
-    touched_.clear();
+    for (std::size_t i = 0; i < touched_count_; ++i) blends_[touched_[i]] = Blend();
+    touched_count_ = 0;
   }
 
  private:
@@ -158,29 +162,52 @@ class TileGrid {
   };
   static constexpr std::array<int, 3> kStrides = {1, kEdge, kEdge* kEdge};
 
-  void addToColumn(const SurfaceFit& piece, const Eigen::Array4f& plane, std::size_t axis,
-                   float height, float trust, int column) {
-    const int low = std::max(floorToInt(height - kBorder), corner_[axis]);
-    const int high = std::min(floorToInt(height + kBorder), corner_[axis] + kEdge - 1);
+  /// What a piece adds, and where its columns lie.
+  struct Brush {
+    Eigen::Array4f plane;
+    Eigen::Array4f counts;
+    int lowest;
+    int highest;
+    int stride;
+
+    Brush(const TileGrid& grid, const SurfaceFit& piece, const Columns& columns)
+        : plane(piece.normal.x(), piece.normal.y(), piece.normal.z(),
+                piece.normal.dot(columns.center)),
+          counts(1.0F, piece.weight, 0.0F, 0.0F),
+          lowest(grid.corner_[columns.axis]),
+          highest(lowest + kEdge - 1),
+          stride(kStrides[columns.axis]) {}
+  };
+
+  void addToColumn(const Brush& brush, float height, float trust, int column) {
+    const int low = std::max(floorToInt(height - kBorder), brush.lowest);
+    const int high = std::min(floorToInt(height + kBorder), brush.highest);
     for (int at = low; at <= high; ++at) {
-      const auto cell = static_cast<std::size_t>(column + (at - corner_[axis]) * kStrides[axis]);
-      Blend& blend = blends_[cell];
-      if (blend.trust == 0.0F) touched_.push_back(static_cast<uint16_t>(cell));
-      blend.plane += trust * plane;
-      blend.plane[3] +=
-          trust * piece.normal[static_cast<int>(axis)] * (height - (static_cast<float>(at) + 0.5F));
-      blend.weight += trust * piece.weight;
-      blend.trust += trust;
+      const int cell = column + (at - brush.lowest) * brush.stride;
+      Blend& blend = blends_[static_cast<std::size_t>(cell)];
+      touched_[touched_count_] = static_cast<uint16_t>(cell);
+      touched_count_ += blend.trust() == 0.0F ? 1 : 0;
+      blend.plane += trust * brush.plane;
+      blend.counts += trust * brush.counts;
     }
   }
 
-  void meanOf(Blend* blend) const {
-    Eigen::Array4f& plane = blend->plane;
+  Eigen::Array3f middleOf(std::size_t cell) const {
+    const auto n = static_cast<int>(cell);
+    return {static_cast<float>(corner_[0] + n % kEdge) + 0.5F,
+            static_cast<float>(corner_[1] + n / kEdge % kEdge) + 0.5F,
+            static_cast<float>(corner_[2] + n / (kEdge * kEdge)) + 0.5F};
+  }
+
+  void meanOf(std::size_t cell) {
+    Blend& blend = blends_[cell];
+    Eigen::Array4f& plane = blend.plane;
     const float length = std::sqrt(plane[0] * plane[0] + plane[1] * plane[1] + plane[2] * plane[2]);
-    const float height = plane[3] / plane[mainAxis(plane)];
+    const float offset = plane[3] - (plane.head<3>() * middleOf(cell)).sum();
+    const float height = offset / plane[mainAxis(plane)];
     // Normals that cancel are no surface.
-    const bool surface = length > 0.1F * blend->trust && std::abs(height) <= kReach;
-    plane *= (blend->facing < 0.0F ? -1.0F : 1.0F) / length;
+    const bool surface = length > 0.1F * blend.trust() && std::abs(height) <= kReach;
+    plane *= 1.0F / length;
     plane[3] = surface ? height : std::numeric_limits<float>::quiet_NaN();
   }
 
@@ -199,13 +226,10 @@ class TileGrid {
     Surfel surfel;
     surfel.key = key;
     surfel.normal = plane.head<3>();
-    const auto n = static_cast<int>(cell);
-    surfel.position = {static_cast<float>(corner_[0] + n % kEdge) + 0.5F,
-                       static_cast<float>(corner_[1] + n / kEdge % kEdge) + 0.5F,
-                       static_cast<float>(corner_[2] + n / (kEdge * kEdge)) + 0.5F};
+    surfel.position = middleOf(cell);
     surfel.position[axis] += plane[3];
     surfel.position *= edge;
-    surfel.slowness = std::sqrt(blends_[cell].weight / blends_[cell].trust);
+    surfel.slowness = std::sqrt(blends_[cell].weight() / blends_[cell].trust());
     surfels->push_back(surfel);
   }
 
@@ -214,7 +238,7 @@ class TileGrid {
     const auto next = static_cast<std::size_t>(static_cast<int>(cell) +
                                                side * kStrides[static_cast<std::size_t>(axis)]);
     const Blend& other = blends_[next];
-    if (other.trust == 0.0F || std::isnan(other.plane[3])) return false;
+    if (other.trust() == 0.0F || std::isnan(other.plane[3])) return false;
     const Eigen::Array4f& own = blends_[cell].plane;
     if (std::abs((other.plane * own).head<3>().sum()) < kSameNormal) return false;
     // Of two cells of one column both compare the same two heights, so that one of them stays.
@@ -228,7 +252,8 @@ class TileGrid {
 
   std::array<int, 3> corner_{};  // least cell, from the origin
   std::vector<Blend> blends_;
-  std::vector<uint16_t> touched_;
+  std::vector<uint16_t> touched_;  // the first touched_count_
+  std::size_t touched_count_ = 0;
 };
 
 CellRange cellsOf(const SurfaceFit& piece, float edge) {

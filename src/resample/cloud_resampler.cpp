@@ -27,10 +27,13 @@ using Clock = std::chrono::steady_clock;
 constexpr double kAreaPerSample = 0.8;
 // About three and a half cells a sample: with fewer, places are missed and left too far from any
 // sample.
-constexpr double kCellPerSpacing = 0.46;
+constexpr double kCellPerSpacing = 0.48;
 // The random start's distance, in spacings: large enough that most samples are put in by the
 // rounds, small enough that few long fronts are run.
 constexpr float kFirstRadiusPerSpacing = 2.4F;
+// Islands of points are joined across gaps of up to two cubes of 2^2 cells, about four spacings: a
+// few points farther from all others are mixed pixels, and would each get a sample.
+constexpr int kIslandLevel = 2;
 // A radius that no place is farther from is about this part of the spacing.
 constexpr double kRadiusPerSpacing = 0.85;
 // The cell size, from an estimate of the area, is corrected by the crust's own area if it is off by
@@ -312,7 +315,7 @@ class CloudResampler::Impl {
       grid_ = sortIntoGrid(points_.positions_m, frame);
       const int coarsest = weights_.empty() ? 0 : coarsestLevel();
       const Islands islands = dropSmallIslands(
-          kBridgeLevels + coarsest, static_cast<std::size_t>(config_.min_component_points),
+          kIslandLevel + coarsest, static_cast<std::size_t>(config_.min_component_points),
           static_cast<std::size_t>(config_.count), &grid_);
       result_.components = islands.kept;
       result_.dropped_components = islands.dropped;

@@ -2,6 +2,7 @@
 #include "ladar_perception/resample/nearest_points.h"
 
 #include <array>
+#include <cstdlib>
 #include <limits>
 
 #include "ladar_perception/resample/morton.h"
@@ -25,36 +26,53 @@ struct Nearest {
   }
 };
 
-/// Squared distances, along one axis, to the voxels one step down, none and one step up.
-std::array<float, 3> gaps2(float in_voxel, float edge) {
-  const float down = in_voxel * edge;
-  const float up = (1.0F - in_voxel) * edge;
-  return {down * down, 0.0F, up * up};
-}
+/// Voxels along one axis up to `kReach` steps from the own one, which comes first: it is likely to
+/// make the others needless.
+template <int kReach>
+struct Steps {
+  static constexpr std::size_t kCount = 2 * kReach + 1;
+  std::array<float, kCount> gaps2;  ///< squared distances to the voxels
 
-/// Own voxel first: it is likely to make the others needless.
-constexpr std::array<int, 3> kInOrder = {0, -1, 1};
+  static constexpr int step(std::size_t n) {
+    const auto half = static_cast<int>((n + 1) / 2);
+    return n % 2 == 0 ? half : -half;
+  }
+  static uint64_t key(uint64_t from, uint64_t axis, std::size_t n) {
+    if constexpr (kReach == 1) return morton::step(from, axis, step(n));
+    return morton::jump(from, axis, step(n));
+  }
+  /// `in_voxel`: place in the own voxel, in its edges.
+  Steps(float in_voxel, float edge) {
+    for (std::size_t n = 0; n < kCount; ++n) {
+      const auto steps = static_cast<float>(std::abs(step(n)));
+      const float gap = n == 0 ? 0.0F : steps - (step(n) > 0 ? in_voxel : 1.0F - in_voxel);
+      gaps2[n] = gap * edge * gap * edge;
+    }
+  }
+};
 
+template <int kReach>
 Nearest nearestInLevel(const GridPoints& points, const VoxelLevel& voxels, int level, uint64_t own,
                        const Eigen::Vector3f& place) {
+  using Axis = Steps<kReach>;
   const auto edge = static_cast<float>(1 << level);
   const Eigen::Vector3f in_voxel =
       (place - cubeCenter(own, level)) / edge + Eigen::Vector3f::Constant(0.5F);
-  const std::array<float, 3> gap_x = gaps2(in_voxel.x(), edge);
-  const std::array<float, 3> gap_y = gaps2(in_voxel.y(), edge);
-  const std::array<float, 3> gap_z = gaps2(in_voxel.z(), edge);
+  const Axis along_x(in_voxel.x(), edge);
+  const Axis along_y(in_voxel.y(), edge);
+  const Axis along_z(in_voxel.z(), edge);
   Nearest nearest;
-  for (const int dz : kInOrder) {
-    const float to_z = gap_z[static_cast<std::size_t>(1 + dz)];
-    if (to_z > nearest.distance2) continue;
-    const uint64_t key_z = morton::step(own, morton::kAxisZ, dz);
-    for (const int dy : kInOrder) {
-      const float to_y = to_z + gap_y[static_cast<std::size_t>(1 + dy)];
+  for (std::size_t z = 0; z < Axis::kCount; ++z) {
+    if (along_z.gaps2[z] > nearest.distance2) continue;
+    const uint64_t key_z = Axis::key(own, morton::kAxisZ, z);
+    for (std::size_t y = 0; y < Axis::kCount; ++y) {
+      const float to_y = along_z.gaps2[z] + along_y.gaps2[y];
       if (to_y > nearest.distance2) continue;
-      const uint64_t key_y = morton::step(key_z, morton::kAxisY, dy);
-      for (const int dx : kInOrder) {
-        if (to_y + gap_x[static_cast<std::size_t>(1 + dx)] > nearest.distance2) continue;
-        const uint32_t voxel = voxels.grid.find(morton::step(key_y, morton::kAxisX, dx));
+      const uint64_t key_y = Axis::key(key_z, morton::kAxisY, y);
+      for (std::size_t x = 0; x < Axis::kCount; ++x) {
+        if (to_y + along_x.gaps2[x] > nearest.distance2) continue;
+        const uint64_t key = Axis::key(key_y, morton::kAxisX, x);
+        const uint32_t voxel = voxels.grid.find(key);
         if (voxel == kNoIndex) continue;
         nearest.look(points, voxels.first_point[voxel], voxels.first_point[voxel + 1], place);
       }
@@ -66,14 +84,21 @@ Nearest nearestInLevel(const GridPoints& points, const VoxelLevel& voxels, int l
 uint32_t nearestPoint(const GridPoints& points, const VoxelPyramid& pyramid,
                       const Eigen::Vector3f& place) {
   const uint64_t cell = cellKey(place);
-  for (int level = 0; level < pyramid.levels(); ++level) {
-    const Nearest nearest =
-        nearestInLevel(points, pyramid.level(level), level, cell >> 3 * level, place);
-    // Whatever is outside the 27 voxels is farther than one of their edges.
-    const auto edge = static_cast<float>(1 << level);
-    if (nearest.distance2 <= edge * edge) return nearest.point;
-  }
   Nearest nearest;
+  // Whatever is outside the voxels looked at is farther than those beside the own are deep.
+  const auto isSure = [&](int voxels, int level) {
+    const auto depth = static_cast<float>(voxels << level);
+    return nearest.distance2 <= depth * depth;
+  };
+  for (int level = 0; level < pyramid.levels(); ++level) {
+    nearest =
+        nearestInLevel<1>(points, pyramid.level(level), level, cell >> 3 * level, place);
+    if (isSure(1, level)) return nearest.point;
+  }
+  // In the middle of a wide gap.
+  const int top = pyramid.levels() - 1;
+  nearest = nearestInLevel<4>(points, pyramid.level(top), top, cell >> 3 * top, place);
+  if (isSure(4, top)) return nearest.point;
   nearest.look(points, 0, static_cast<uint32_t>(points.size()), place);
   return nearest.point;
 }

@@ -19,13 +19,16 @@ namespace {
 constexpr float kSemiAxisPerDeviation = 2.0F;
 constexpr float kLargestSemiAxis = 1.5F;
 constexpr float kCoarseSemiAxisPerDeviation = 1.5F;
-constexpr float kLargestCoarseSemiAxis = 1.3F;
+constexpr float kLargestCoarseSemiAxis = 1.15F;
 // Narrower pieces could slip through between the centres of cells.
 constexpr float kLeastSemiAxis = 0.75F;
 // Points are on a line if the second eigenvalue is below this part of the first.
 constexpr float kLineRatio = 0.1F;
-// Points are planar if the third eigenvalue is below this part of the second.
+// Points are planar if the third eigenvalue is below this part of the second, and their standard
+// deviation from the plane is below this part of a cell: a coarse piece over a wall and the panes of
+// its windows would run beside both.
 constexpr float kPlanarRatio = 0.05F;
+constexpr float kPlanarCells = 0.3F;
 
 // What is wanted of a voxel: a piece of surface, or another one, as that of a finer level may end
 // at a gap: of three scan lines it has seen two.
@@ -120,9 +123,10 @@ class Fitter {
     if (sums.count < kPlanePoints) return Fate::kOpen;
     const PlaneFit plane = fitPlane(sums);
     const bool line = plane.l1 < kLineRatio * plane.l2;
-    if (level > base_ && !line && plane.l0 > kPlanarRatio * plane.l1) return Fate::kOpen;
     const auto edge = static_cast<float>(1 << level);
     const auto base = static_cast<float>(1 << base_);
+    const float flat = std::min(kPlanarRatio * plane.l1, std::pow(kPlanarCells * base, 2.0F));
+    if (level > base_ && !line && plane.l0 > flat) return Fate::kOpen;
     piece->center = brick_center + plane.mean;
     piece->normal = line ? normalOfLine(sensor_, piece->center, plane.major)
                          : towards(sensor_, piece->center, plane.normal);

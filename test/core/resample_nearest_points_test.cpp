@@ -115,6 +115,17 @@ TEST(NearestPoints, OfOneTwoAndEqualPoints) {
   expectNearest(GriddedCloud({{1, 2, 3}}), {});
 }
 
+TEST(NearestPoints, InWideGaps) {
+  TestRandom random(6);
+  for (const double gap : {12.0, 25.0, 60.0, 140.0}) {
+    Cloud cloud;
+    for (int i = 0; i < 60; ++i) {
+      cloud.push_back(gap * Vector3d(i % 4, i / 4 % 4, i / 16) + random.normal3());
+    }
+    expectNearest(GriddedCloud(cloud), randomPlaces(400, 4.0 * gap, &random));
+  }
+}
+
 TEST(NearestPoints, OfPlacesFarAway) {
   TestRandom random(5);
   Cloud cloud;

@@ -50,5 +50,12 @@ constexpr uint64_t previous(uint64_t key, uint64_t mask) {
 constexpr uint64_t step(uint64_t key, uint64_t mask, int by) {
   return by > 0 ? next(key, mask) : by < 0 ? previous(key, mask) : key;
 }
+/// Any number of steps on or back.
+constexpr uint64_t jump(uint64_t key, uint64_t mask, int by) {
+  const uint64_t lowest = mask & (~mask + 1);
+  const uint64_t offset = spread(static_cast<uint32_t>(by < 0 ? -by : by)) * lowest;
+  const uint64_t moved = by < 0 ? (key & mask) - offset : (key | ~mask) + offset;
+  return (moved & mask) | (key & ~mask);
+}
 
 }  // namespace ladar_perception::morton
