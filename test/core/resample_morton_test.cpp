@@ -81,13 +81,13 @@ TEST(Morton, StepsAlongOneAxisWrapAtTheEnds) {
       ASSERT_EQ(morton::step(key, masks[axis], 1), morton::next(key, masks[axis]));
       ASSERT_EQ(morton::step(key, masks[axis], -1), morton::previous(key, masks[axis]));
       ASSERT_EQ(morton::step(key, masks[axis], 0), key);
-      uint64_t there = key;
-      uint64_t back = key;
+      uint64_t ahead = key;
+      uint64_t behind = key;
       for (int steps = 0; steps <= 9; ++steps) {
-        ASSERT_EQ(morton::jump(key, masks[axis], steps), there) << steps;
-        ASSERT_EQ(morton::jump(key, masks[axis], -steps), back) << steps;
-        there = morton::next(there, masks[axis]);
-        back = morton::previous(back, masks[axis]);
+        ASSERT_EQ(morton::jump(key, masks[axis], steps), ahead) << steps;
+        ASSERT_EQ(morton::jump(key, masks[axis], -steps), behind) << steps;
+        ahead = morton::next(ahead, masks[axis]);
+        behind = morton::previous(behind, masks[axis]);
       }
     }
   }
