@@ -10,6 +10,7 @@
 #include "ladar_perception/resample/sample_order.h"
 #include "ladar_perception/resample/tiles.h"
 #include "ladar_perception/resample/voronoi_vertex.h"
+#include "taken_cells.h"
 
 namespace ladar_perception {
 namespace {
@@ -21,6 +22,9 @@ constexpr int kPasses = 2;           // over every tile in a round
 constexpr float kLastRounds = 0.4F;  // of the first radius
 // Vertices lie up to half a cell from the cells around them, whose times are less by as much.
 constexpr float kVertexSlack = 0.6F;
+// Samples on two sheets of the surface this many cells apart are too near to each other; sheets
+// farther apart have nothing to do with each other.
+constexpr float kSheetCells = 2.5F;
 // No count is reached by going on below this radius: there are no more cells.
 constexpr float kLeastRadius = 0.35F;
 
@@ -70,9 +74,10 @@ class Chooser {
         tiles_(field->crust->keys, tileLevel(*field->crust, goal.first_radius)),
         bounds_(field->crust->size(), std::numeric_limits<float>::infinity()),
         slack_(field->crust->size()),
-        taken_(field->crust->size(), 0),
+        taken_(*field->crust),
         chosen_(tiles_.size()),
-        fronts_(static_cast<std::size_t>(pool->size()), Fronts<Metric>(field)) {
+        fronts_(static_cast<std::size_t>(pool->size()), Fronts<Metric>(field)),
+        around_(fronts_.size()) {
     for (std::size_t i = 0; i < slack_.size(); ++i) {
       slack_[i] = kVertexSlack * field->crust->edge(i) * field->nodes[i].slowness;
     }
@@ -104,7 +109,7 @@ class Chooser {
  private:
   void insert(Fronts<Metric>* fronts, uint32_t cell, const Eigen::Vector3f& position) {
     fronts->insert(cell, position);
-    taken_[cell] = 1;
+    taken_.add(cell);
     bounds_[cell] = 0.0F;  // never again
   }
 
@@ -121,7 +126,9 @@ class Chooser {
       for (uint32_t n = tile.first; n < tile.end; ++n) {
         const uint32_t cell = tile.first + order.next();
         if (field_->arrivals[cell].time < goal_.first_radius) continue;
-        insert(&fronts_[static_cast<std::size_t>(thread)], cell, field_->crust->positions[cell]);
+        const Eigen::Vector3f& place = field_->crust->positions[cell];
+        if (isNearAnother(thread, goal_.first_radius, cell, place)) continue;
+        insert(&fronts_[static_cast<std::size_t>(thread)], cell, place);
         chosen_[i].push_back({cell, goal_.first_radius});
       }
     });
@@ -172,7 +179,7 @@ class Chooser {
       chosen_[i].clear();
       // Once more for vertices that others near them, which were later, had kept back.
       for (int pass = 0; pass < kPasses; ++pass) {
-        fillTile(radius, &fronts_[static_cast<std::size_t>(thread)], i);
+        fillTile(radius, thread, i);
       }
     });
     std::vector<Choice> choices;
@@ -196,7 +203,7 @@ class Chooser {
     }
   }
 
-  void fillTile(float radius, Fronts<Metric>* fronts, std::size_t i) {
+  void fillTile(float radius, int thread, std::size_t i) {
     const Tiles::Tile& tile = tiles_.tile(i);
     for (uint32_t cell = tile.first; cell < tile.end; ++cell) {
       if (field_->arrivals[cell].time + slack_[cell] < radius || bounds_[cell] < radius) continue;
@@ -204,33 +211,33 @@ class Chooser {
       const VoronoiVertex vertex = findVertex(*field_, cell);
       bounds_[cell] = vertex.time;
       if (vertex.time < radius) continue;
-      const Choice near = nearestAround(cell, vertex.position);
-      if (near.time < radius) {
-        bounds_[cell] = near.time;
-        fronts->enter(cell, near.cell);
-        continue;
-      }
-      insert(fronts, cell, vertex.position);
+      if (isNearAnother(thread, radius, cell, vertex.position)) continue;
+      insert(&fronts_[static_cast<std::size_t>(thread)], cell, vertex.position);
       chosen_[i].push_back({cell, vertex.time});
     }
   }
 
-  /// The nearest to a place of the samples in a cell's neighbours and theirs. Where cells are few,
-  /// its front may not have come to the cell.
-  Choice nearestAround(uint32_t cell, const Eigen::Vector3f& place) const {
-    const Crust& crust = *field_->crust;
+  /// Whether a sample is nearer to a place in a cell than `radius` whose front has not come there:
+  /// where cells are few, or on a sheet of the surface so near that samples on both would be too
+  /// near to each other. Then its front enters the cell.
+  bool isNearAnother(int thread, float radius, uint32_t cell, const Eigen::Vector3f& place) {
+    const auto own = static_cast<std::size_t>(thread);
+    std::vector<uint32_t>& around = around_[own];
+    around.clear();
+    taken_.findAround(cell, &around);
+    const float reach = kSheetCells * field_->crust->edge(cell);
     Choice nearest = {kNoIndex, std::numeric_limits<float>::infinity()};
-    for (uint32_t k = crust.first_neighbor[cell]; k < crust.first_neighbor[cell + 1]; ++k) {
-      const uint32_t side = crust.neighbors[k];
-      for (uint32_t n = crust.first_neighbor[side]; n < crust.first_neighbor[side + 1]; ++n) {
-        const uint32_t near = crust.neighbors[n];
-        if (taken_[near] == 0) continue;
-        const float slowness = 0.5F * (field_->nodes[cell].slowness + field_->nodes[near].slowness);
-        const float time = (field_->samples[near] - place).norm() * slowness;
-        if (time < nearest.time) nearest = {near, time};
+    for (const uint32_t near : around) {
+      const float distance = (field_->samples[near] - place).norm();
+      const float slowness = 0.5F * (field_->nodes[cell].slowness + field_->nodes[near].slowness);
+      if (distance < reach && distance * slowness < nearest.time) {
+        nearest = {near, distance * slowness};
       }
     }
-    return nearest;
+    if (nearest.time >= radius) return false;
+    bounds_[cell] = nearest.time;
+    fronts_[own].enter(cell, nearest.cell);
+    return true;
   }
 
   float latest() const {
@@ -245,9 +252,10 @@ class Chooser {
   Tiles tiles_;
   std::vector<float> bounds_;   // of the time of the vertex near a cell: it can only fall
   std::vector<float> slack_;    // how much later than a cell its vertex may be
-  std::vector<uint8_t> taken_;  // cells with a sample
+  TakenCells taken_;
   std::vector<std::vector<Choice>> chosen_;  // by tile, in this round
   std::vector<Fronts<Metric>> fronts_;       // by thread
+  std::vector<std::vector<uint32_t>> around_;  // by thread: cells with samples
   SampleSet set_;
   float left_out_ = 0.0F;  // arrival time at the farthest place chosen but not taken
 };

@@ -74,6 +74,20 @@ TEST_P(ResampleTraps, SheetsACellApartMayBecomeOne) {
   }
 }
 
+/// No link leads from one sheet to the other, and still no two samples are nearer to each other than
+/// on one sheet.
+TEST_P(ResampleTraps, SamplesOfNearSheetsKeepTheirDistance) {
+  for (const char* policy : {"uniform", "range:min=1"}) {
+    for (const double apart_m : {0.08, 0.12, 0.16}) {
+      const ResampledCloud samples =
+          resampled(config(2500), levelSheets({0.0, apart_m}), {makePolicy(policy)});
+      const SpacingStatistics spacing = spacingOf(samples.positions_m);
+      const double least = policy == std::string("uniform") ? 0.75 : 0.6;
+      EXPECT_GT(spacing.min_over_mean, least) << policy << " " << apart_m << " m apart";
+    }
+  }
+}
+
 /// Points between two depths are the farthest of all, and would be the first to be chosen.
 TEST_P(ResampleTraps, IsolatedPointsGetNoSamples) {
   Sheet sheet;

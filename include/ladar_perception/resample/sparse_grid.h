@@ -50,6 +50,8 @@ class SparseGrid {
       if (brick == kNoIndex || bricks_[brick].key == brick_key) return brick;
     }
   }
+  /// Number of the cell at a bit of a brick, or kNoIndex.
+  uint32_t cellIn(uint32_t brick, int bit) const { return cellOf(bricks_[brick], bit); }
   /// Around the brick only next to the brick's own cells.
   void gather(std::size_t brick, Block* block) const;
 

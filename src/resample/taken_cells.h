@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which cells of a crust have samples, found by place: on another sheet of the surface, or another
+// island, no link leads to them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "ladar_perception/resample/crust.h"
+#include "ladar_perception/resample/sparse_grid.h"
+
+namespace ladar_perception {
+
+class TakenCells {
+ public:
+  /// How far around a cell others are found at least, in its edges.
+  static constexpr int kReach = 2;
+
+  explicit TakenCells(const Crust& crust);
+
+  /// Different tiles may do so at the same time.
+  void add(uint32_t cell);
+  /// Appends the taken cells around a cell, of its size, half and twice of it, and some farther off.
+  void findAround(uint32_t cell, std::vector<uint32_t>* cells) const;
+
+ private:
+  /// The cells of one size.
+  struct Level {
+    SparseGrid grid;
+    std::vector<uint32_t> numbers;  // in the crust
+    std::vector<uint64_t> taken;    // by brick: a bit a cell
+  };
+
+  const Crust& crust_;
+  std::vector<Level> levels_;
+};
+
+}  // namespace ladar_perception
