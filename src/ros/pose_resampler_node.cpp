@@ -27,7 +27,7 @@ PoseResamplerNode::PoseResamplerNode(const ros::NodeHandle& handle,
                                      const ros::NodeHandle& private_handle)
     : handle_(handle),
       private_handle_(private_handle),
-      config_(readPoseResamplerNodeConfig(private_handle)),
+      config_(readConfig<PoseResamplerNodeConfig>(private_handle)),
       policies_(loadPolicies(config_)),
       tf_buffer_(ros::Duration(kTransformsKept_s)),
       tf_listener_(tf_buffer_, handle_),

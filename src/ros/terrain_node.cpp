@@ -22,7 +22,7 @@ double millisecondsSince(const ros::WallTime& begin) {
 TerrainNode::TerrainNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle)
     : handle_(handle),
       private_handle_(private_handle),
-      config_(readTerrainNodeConfig(private_handle)),
+      config_(readConfig<TerrainNodeConfig>(private_handle)),
       model_(loadFittingModel(config_)),
       tf_listener_(tf_buffer_, handle_),
       processor_(config_, model_, &tf_buffer_),

@@ -129,7 +129,7 @@ TEST(BadParameters, GoodOnesLoadUnderTheNameThatFailed) {
 TEST(BadParameters, TheShippedParametersAreTheDefaults) {
   // What config/terrain.yaml says is what a node without parameters does.
   const TerrainNodeConfig file =
-      readTerrainNodeConfigFile(std::string(LADAR_SOURCE_DIR) + "/config/terrain.yaml");
+      readConfigFile<TerrainNodeConfig>(std::string(LADAR_SOURCE_DIR) + "/config/terrain.yaml");
   TerrainNodeConfig from_file = file;
   TerrainNodeConfig defaults;
   const ParamMap given =

@@ -99,16 +99,16 @@ TEST(PoseBadParameters, TheNodeletIsNotLoadedAndTheManagerGoesOn) {
 
 TEST(PoseBadParameters, ClassNamesComeFromTheParameterOrTheModel) {
   using std::string;
-  EXPECT_NO_THROW(readPoseResamplerNodeConfig(
+  EXPECT_NO_THROW(readConfig<PoseResamplerNodeConfig>(
       {{"policies", string("label:lawn=3;range:min=2")}, {"class_names", string("rock lawn")}},
       "test"));
   const PoseResamplerNodeConfig config =
-      readPoseResamplerNodeConfig({{"policies", string(" label:scatter=3 ;  uniform ")},
+      readConfig<PoseResamplerNodeConfig>({{"policies", string(" label:scatter=3 ;  uniform ")},
                                    {"class_names", string("rock lawn")},
                                    {"model", kTestModel}},
                                   "test");
   EXPECT_EQ(loadPolicies(config).size(), 2U);
-  EXPECT_TRUE(loadPolicies(readPoseResamplerNodeConfig({{"policies", string()}}, "test")).empty());
+  EXPECT_TRUE(loadPolicies(readConfig<PoseResamplerNodeConfig>({{"policies", string()}}, "test")).empty());
 }
 
 }  // namespace
