@@ -10,6 +10,7 @@ namespace {
 
 // A clock that goes back by more was set back: tf's buffers are empty again.
 const ros::Duration kSetBack(1.0);
+const ros::Duration kTick(0, 1000);
 
 }  // namespace
 
@@ -20,25 +21,22 @@ MapFrameBroadcaster::MapFrameBroadcaster(std::string map_frame, std::string odom
 void MapFrameBroadcaster::set(const Eigen::Isometry3d& T_map_odom) {
   const std::lock_guard<std::mutex> lock(mutex_);
   T_map_odom_ = T_map_odom;
-  send(true);
+  send();
 }
 
 void MapFrameBroadcaster::repeat() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  send(false);
+  send();
 }
 
-void MapFrameBroadcaster::send(bool changed) {
+void MapFrameBroadcaster::send() {
   const ros::Time now = ros::Time::now();
   if (now.isZero()) return;  // simulated time has not begun
   ros::Time stamp = now + ahead_;
   const bool set_back = stamp + kSetBack < last_stamp_;
-  if (stamp <= last_stamp_ && !set_back) {
-    // The clock stands, as at the end of a bag: tf takes no second transform of the same stamp, but
-    // what changed has to be told all the same.
-    if (!changed) return;
-    stamp = last_stamp_ + ros::Duration(0, 1000);
-  }
+  // The clock stands, as at the end of a bag: tf takes no second transform of the same stamp, but
+  // the estimate may still change, and listeners may come.
+  if (stamp <= last_stamp_ && !set_back) stamp = last_stamp_ + kTick;
   last_stamp_ = stamp;
   geometry_msgs::TransformStamped message;
   message.header.stamp = stamp;

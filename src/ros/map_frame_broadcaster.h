@@ -19,11 +19,11 @@ class MapFrameBroadcaster {
 
   /// Changes the transform and publishes it.
   void set(const Eigen::Isometry3d& T_map_odom);
-  /// Publishes it once more, if time has gone on.
+  /// Publishes it once more.
   void repeat();
 
  private:
-  void send(bool changed);
+  void send();
 
   const std::string map_frame_;
   const std::string odom_frame_;

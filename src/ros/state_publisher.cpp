@@ -32,8 +32,6 @@ StatePublisher::StatePublisher(ros::NodeHandle handle, const DelayedStateNodeCon
 StatePublisher::~StatePublisher() {
   jobs_.stop();
   worker_.join();
-  // Before what their callbacks touch is gone.
-  for (const auto& output : outputs_) output->publisher.shutdown();
 }
 
 template <typename Message>
@@ -42,8 +40,7 @@ void StatePublisher::add(const std::string& topic, double rate_hz, Send send) {
   Output* output = outputs_.back().get();
   output->period = ros::WallDuration(1.0 / rate_hz);
   output->send = std::move(send);
-  output->publisher = handle_.advertise<Message>(
-      topic, 1, [output](const ros::SingleSubscriberPublisher&) { output->outdated = true; });
+  output->publisher = handle_.advertise<Message>(topic, 1, true);
 }
 
 void StatePublisher::changed() {

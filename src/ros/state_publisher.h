@@ -15,8 +15,8 @@
 
 namespace ladar_perception {
 
-/// Publishes `path`, `pose_graph`, `pose_graph_markers` and `map_cloud`: each when it changed, or
-/// when somebody new subscribes, but not more often than its rate, and only if somebody subscribes.
+/// Publishes `path`, `pose_graph`, `pose_graph_markers` and `map_cloud`, latched: each when it
+/// changed, but not more often than its rate, and only while somebody subscribes.
 /// Messages, which take time in proportion to the poses, are made on a thread of its own.
 class StatePublisher {
  public:
@@ -39,7 +39,7 @@ class StatePublisher {
     ros::WallDuration period;
     Send send;
     ros::WallTime last;
-    std::atomic<bool> outdated{true};
+    bool outdated = true;
   };
   struct Job {
     std::shared_ptr<const StateSnapshot> state;
