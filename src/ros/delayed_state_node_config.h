@@ -18,7 +18,7 @@ struct DelayedStateNodeConfig {
   std::string map_frame = "map";
   std::string odom_frame = "odom";
   std::string time_jump = "new_state";
-  int queue_size = 100;
+  int queue_size = 500;
   bool publish_tf = true;
   double tf_rate_hz = 20.0;
   double graph_rate_hz = 1.0;

@@ -14,9 +14,9 @@ class StateBacklog : public testing::Test {
   static ParamMap slow(int queue_size) {
     return {{"queue_size", queue_size}, {"max_candidates", 20}, {"restarts", 8}};
   }
-  void burst(StateClient* client) {
+  void burst(StateClient* client, int first = 0) {
     std::vector<PoseCloud> poses;
-    for (int i = 0; i < kPoses; ++i) poses.push_back(drive_.pose(i));
+    for (int i = first; i < kPoses; ++i) poses.push_back(drive_.pose(i));
     for (const PoseCloud& pose : poses) client->send(pose);
   }
   /// Waits for the end, and looks at what was told on the way.
@@ -54,7 +54,8 @@ TEST_F(StateBacklog, TheOldestAreDroppedAndCounted) {
   LoadedState state("/overrun", slow(3));
   ASSERT_TRUE(state.ready());
   ASSERT_TRUE(log.hears("/manager"));
-  burst(&*state);
+  ASSERT_TRUE(state->add(drive_.pose(0)));
+  burst(&*state, 1);
   ASSERT_TRUE(waitForAll(&*state));
   const DelayedStateStatistics& s = state->statistics();
   expectAccounted(s);
