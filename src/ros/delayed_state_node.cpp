@@ -175,7 +175,11 @@ void DelayedStateNode::work() {
         reportDrop(*arrival, StateDrop::kError, error.what());
       }
     }
-    offerSnapshot();
+    try {
+      offerSnapshot();
+    } catch (const std::exception& error) {
+      ROS_ERROR_THROTTLE(5.0, "delayed_state: cannot be published: %s", error.what());
+    }
   }
 }
 

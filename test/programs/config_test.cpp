@@ -124,6 +124,7 @@ TYPED_TEST(ShippedConfig, CommentsTellTheUnits) {
   for (const ParamSpec& spec : table.specs()) {
     for (const auto& [ending, unit] :
          {std::pair("_m", "m"), std::pair("_s", "s"), std::pair("_hz", "Hz")}) {
+      if (spec.name.find("_per_") != std::string::npos) continue;  // ends in what it is per
       const std::size_t at = spec.name.rfind(ending);
       if (at != std::string::npos && at + std::string(ending).size() == spec.name.size()) {
         EXPECT_EQ(spec.unit, unit) << spec.name;
