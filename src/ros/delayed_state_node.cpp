@@ -331,30 +331,7 @@ void DelayedStateNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& sta
     status.summary(DiagnosticStatus::OK, "estimating poses");
   }
   diagnosed_drops_ = drops;
-  status.add("poses", message.poses);
-  status.add("poses received", message.poses_received);
-  status.add("poses waiting", message.poses_waiting);
-  status.add("backlog (s)", message.backlog_s);
-  for (const DropCount& drop : message.poses_dropped) {
-    status.add("poses dropped: " + drop.reason, drop.count);
-  }
-  status.add("poses missing", message.poses_missing);
-  status.add("lag p50 (ms)", message.lag_p50_ms);
-  status.add("lag p99 (ms)", message.lag_p99_ms);
-  for (const StageTime& stage : message.stages) {
-    status.add("adding: " + stage.stage + " p50 (ms)", stage.p50_ms);
-  }
-  status.add("registrations tried", message.registrations_tried);
-  status.add("registrations accepted", message.registrations_accepted);
-  for (const DropCount& refused : message.registrations_refused) {
-    status.add("registrations refused: " + refused.reason, refused.count);
-  }
-  status.add("registrations retired", message.registrations_retired);
-  status.add("loops closed", message.loops_closed);
-  status.add("clouds (MB)", static_cast<double>(message.cloud_bytes) * 1e-6);
-  status.add("correction (m)", message.correction_m);
-  status.add("correction (deg)", message.correction_deg);
-  status.add("resets", message.resets);
+  addTo(message, &status);
 }
 
 }  // namespace ladar_perception

@@ -127,4 +127,28 @@ DelayedStateStatistics StateStatisticsLog::message() const {
   return message;
 }
 
+void addTo(const DelayedStateStatistics& statistics,
+           diagnostic_updater::DiagnosticStatusWrapper* status) {
+  status->add("poses", statistics.poses);
+  status->add("poses received", statistics.poses_received);
+  status->add("poses waiting", statistics.poses_waiting);
+  status->add("backlog (s)", statistics.backlog_s);
+  addDrops("poses dropped", statistics.poses_dropped, status);
+  status->add("poses missing", statistics.poses_missing);
+  status->add("lag p50 (ms)", statistics.lag_p50_ms);
+  status->add("lag p99 (ms)", statistics.lag_p99_ms);
+  for (const StageTime& stage : statistics.stages) {
+    status->add("adding: " + stage.stage + " p50 (ms)", stage.p50_ms);
+  }
+  status->add("registrations tried", statistics.registrations_tried);
+  status->add("registrations accepted", statistics.registrations_accepted);
+  addDrops("registrations refused", statistics.registrations_refused, status);
+  status->add("registrations retired", statistics.registrations_retired);
+  status->add("loops closed", statistics.loops_closed);
+  status->add("clouds (MB)", static_cast<double>(statistics.cloud_bytes) * 1e-6);
+  status->add("correction (m)", statistics.correction_m);
+  status->add("correction (deg)", statistics.correction_deg);
+  status->add("resets", statistics.resets);
+}
+
 }  // namespace ladar_perception

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <diagnostic_updater/DiagnosticStatusWrapper.h>
 #include <ladar_perception/DelayedStateStatistics.h>
 #include <ros/time.h>
 
@@ -52,5 +53,9 @@ class StateStatisticsLog {
   std::vector<SampleWindow> stage_ms_;
   DelayedStateStatistics state_;  // only what describe() fills in
 };
+
+/// Adds them to diagnostics.
+void addTo(const DelayedStateStatistics& statistics,
+           diagnostic_updater::DiagnosticStatusWrapper* status);
 
 }  // namespace ladar_perception

@@ -2,12 +2,14 @@
 // What the nodes' statistics are put together from.
 #pragma once
 
+#include <diagnostic_updater/DiagnosticStatusWrapper.h>
 #include <ladar_perception/DropCount.h>
 #include <ladar_perception/StageTime.h>
 
 #include <array>
 #include <cstdint>
 #include <numeric>
+#include <string>
 #include <vector>
 
 #include "ladar_perception/util/sample_window.h"
@@ -29,6 +31,12 @@ void appendDrops(const std::array<uint64_t, kReasons>& counts, const char* (*nam
     drop.count = counts[i];
     drops->push_back(drop);
   }
+}
+
+/// Adds them to diagnostics, as "<of what>: <reason>".
+inline void addDrops(const std::string& of_what, const std::vector<DropCount>& drops,
+                     diagnostic_updater::DiagnosticStatusWrapper* status) {
+  for (const DropCount& drop : drops) status->add(of_what + ": " + drop.reason, drop.count);
 }
 
 inline StageTime stageTime(const char* name, const SampleWindow& times_ms) {

@@ -4,6 +4,10 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <ladar_perception/PoseResamplerStatistics.h>
 
+#include <cmath>
+#include <map>
+#include <utility>
+
 #include "ros_process.h"
 #include "ros_state_client.h"
 
@@ -23,7 +27,6 @@ class Truth {
               Eigen::Vector3d(pose->pose.position.x, pose->pose.position.y, pose->pose.position.z);
         });
   }
-  std::size_t size() const { return positions_.size(); }
   /// The nearest in time; they come at least every scan's.
   Eigen::Vector3d at(const ros::Time& stamp) const {
     auto after = positions_.lower_bound(stamp.toNSec());
@@ -39,68 +42,86 @@ class Truth {
   ros::Subscriber subscriber_;
 };
 
-TEST(StateReplay, ALoopIsClosedAndTheProgramSaysTheSame) {
-  TemporaryFolder folder;
-  const std::string bag = folder.file("loop.bag");
-  const std::string output = folder.file("output.txt");
-  ChildProcess simulator({programPath("simulate_ladar"), "--scene", "campus", "--sensor", "vlp16",
-                          "--speed", "15", "--duration", "22.5", "--odometry-scale-error", "2",
-                          "--odometry-heading-drift", "2", "--out", bag},
-                         output);
-  StateClient client("/delayed_state", "/", "slam_path");
-  Truth truth;
-  ASSERT_TRUE(client.hears());
-  ASSERT_TRUE(waitFor([&] { return !simulator.running(); }, 120.0));
-  ASSERT_EQ(simulator.exitCode(), 0) << textOf(output);
+class StateReplay : public testing::Test {
+ protected:
+  void simulate() {
+    ChildProcess simulator({programPath("simulate_ladar"), "--scene", "campus", "--sensor", "vlp16",
+                            "--speed", "15", "--duration", "22.5", "--odometry-scale-error", "2",
+                            "--odometry-heading-drift", "2", "--out", bag_},
+                           output_);
+    ASSERT_TRUE(waitFor([&] { return !simulator.running(); }, 120.0));
+    ASSERT_EQ(simulator.exitCode(), 0) << textOf(output_);
+  }
+  /// Plays the bag, and waits until all of it is in the state.
+  void play() {
+    PoseResamplerStatistics resampled;
+    const auto subscriber = ros::NodeHandle().subscribe<PoseResamplerStatistics>(
+        "pose_statistics", 10,
+        [&](const PoseResamplerStatisticsConstPtr& message) { resampled = *message; });
+    ChildProcess player(
+        {"rosbag", "play", "--clock", "--quiet", "--delay", "2", "--rate", "2", bag_}, output_);
+    ASSERT_TRUE(waitFor([&] { return !player.running(); }, 60.0));
+    ASSERT_EQ(player.exitCode(), 0) << textOf(output_);
+    ASSERT_TRUE(waitFor(
+        [&] {
+          const std::size_t poses = resampled.poses_published;
+          return resampled.scans == kScans && resampled.poses_waiting == 0 && poses > 0 &&
+                 client_.statistics().poses == poses && client_.path().poses.size() == poses &&
+                 client_.graph().poses.size() == poses;
+        },
+        60.0));
+  }
+  /// Errors of the positions from the start, rms: of the odometry, and of the estimate.
+  std::pair<double, double> errors() const {
+    double odometry_m2 = 0.0;
+    double estimate_m2 = 0.0;
+    const std::vector<GraphPose>& poses = client_.graph().poses;
+    for (const GraphPose& pose : poses) {
+      const Eigen::Vector3d p = truth_.at(pose.stamp);
+      odometry_m2 += (poseOf(pose.odometry).translation() - p).squaredNorm();
+      estimate_m2 += (poseOf(pose.pose.pose).translation() - p).squaredNorm();
+    }
+    const auto count = static_cast<double>(poses.size());
+    return {std::sqrt(odometry_m2 / count), std::sqrt(estimate_m2 / count)};
+  }
 
-  ChildProcess player({"rosbag", "play", "--clock", "--quiet", "--delay", "2", "--rate", "2", bag},
-                      output);
-  ASSERT_TRUE(waitFor([&] { return !player.running(); }, 60.0));
-  ASSERT_EQ(player.exitCode(), 0) << textOf(output);
-  EXPECT_GT(client.transforms.size(), 100U);
-  PoseResamplerStatistics last;
-  const auto subscriber = ros::NodeHandle().subscribe<PoseResamplerStatistics>(
-      "pose_statistics", 10,
-      [&](const PoseResamplerStatisticsConstPtr& message) { last = *message; });
-  ASSERT_TRUE(waitFor(
-      [&] {
-        return last.scans == kScans && last.poses_waiting == 0 && last.poses_published > 0 &&
-               client.statistics().poses == last.poses_published &&
-               client.path().poses.size() == last.poses_published;
-      },
-      60.0));
-  const DelayedStateStatistics& s = client.statistics();
+  TemporaryFolder folder_;
+  const std::string bag_ = folder_.file("loop.bag");
+  const std::string output_ = folder_.file("output.txt");
+  StateClient client_{"/delayed_state", "/", "slam_path"};
+  Truth truth_;
+};
+
+TEST_F(StateReplay, ALoopIsClosedAndTheProgramSaysTheSame) {
+  ASSERT_TRUE(client_.hears());
+  ASSERT_NO_FATAL_FAILURE(simulate());
+  const std::string offline = folder_.file("offline");
+  const std::string log = folder_.file("offline.txt");
+  ChildProcess program({programPath("slam_bag"), bag_, "--out", offline, "--poses",
+                        std::string(LADAR_SOURCE_DIR) + "/test/data/ros_slam_poses.yaml",
+                        "--config", kTestStateConfig},
+                       log);
+  ASSERT_NO_FATAL_FAILURE(play());
+  const DelayedStateStatistics& s = client_.statistics();
   expectAccounted(s);
   EXPECT_EQ(sumOf(s.poses_dropped) + s.poses_missing, 0U);
   EXPECT_GE(s.loops_closed, 1U);
   EXPECT_GT(s.correction_m, 3.0F) << "the odometry is off by that much in the end";
+  EXPECT_GT(client_.transforms.size(), 100U);
   // Nothing is kept of a pose but its samples, with colours and labels.
   EXPECT_EQ(s.samples, s.poses * kSamples);
   EXPECT_EQ(s.cloud_bytes, s.samples * 29);
-
-  double odometry_m2 = 0.0;
-  double estimate_m2 = 0.0;
-  ASSERT_TRUE(waitFor([&] { return client.graph().poses.size() == s.poses; }));
-  for (const GraphPose& pose : client.graph().poses) {
-    const Eigen::Vector3d p = truth.at(pose.stamp);
-    odometry_m2 += (poseOf(pose.odometry).translation() - p).squaredNorm() / s.poses;
-    estimate_m2 += (poseOf(pose.pose.pose).translation() - p).squaredNorm() / s.poses;
-  }
-  EXPECT_GT(std::sqrt(odometry_m2), 2.0);
-  EXPECT_LT(std::sqrt(estimate_m2), std::sqrt(odometry_m2) / 4.0)
-      << std::sqrt(estimate_m2) << " of " << std::sqrt(odometry_m2);
+  const auto [odometry_m, estimate_m] = errors();
+  EXPECT_GT(odometry_m, 2.0);
+  EXPECT_LT(estimate_m, odometry_m / 4.0);
 
   // The program optimises everything at the end.
-  ASSERT_TRUE(client.optimize());
-  const std::string state = folder.file("state.bin");
-  ASSERT_TRUE(client.save(state));
-  ChildProcess program({programPath("slam_bag"), bag, "--out", folder.file("off"), "--poses",
-                        std::string(LADAR_SOURCE_DIR) + "/test/data/ros_slam_poses.yaml",
-                        "--config", kTestStateConfig},
-                       output);
+  ASSERT_TRUE(client_.optimize());
+  const std::string state = folder_.file("state.bin");
+  ASSERT_TRUE(client_.save(state));
   ASSERT_TRUE(waitFor([&] { return !program.running(); }, 60.0));
-  ASSERT_EQ(program.exitCode(), 0) << textOf(output);
-  EXPECT_EQ(textOf(state), textOf(folder.file("off") + "/state.bin")) << "the bits differ";
+  ASSERT_EQ(program.exitCode(), 0) << textOf(log);
+  EXPECT_EQ(textOf(state), textOf(offline + "/state.bin")) << "the bits differ";
 }
 
 }  // namespace
