@@ -39,3 +39,7 @@ rosrun ladar_perception terrain_summary.py --help >"$work/help.txt"
 [ -f "$share/rviz/terrain.rviz" ] && [ -f "$share/rviz/pose_resampler.rviz" ]
 [ -f "$share/config/pose_resampler.yaml" ]
 [ -x "$prefix/lib/ladar_perception/pose_resampler_node" ]
+roslaunch --files ladar_perception replay.launch bag:=x slam:=true |
+  grep >/dev/null "$share/launch/delayed_state.launch"
+[ -f "$share/config/delayed_state.yaml" ] && [ -f "$share/rviz/delayed_state.rviz" ]
+[ -x "$prefix/lib/ladar_perception/delayed_state_node" ]

@@ -8,12 +8,13 @@ build_packages=(
   g++ cmake ninja-build pkg-config ccache catkin ros-message-generation ros-message-runtime
   ros-std-msgs ros-geometry-msgs ros-sensor-msgs libroscpp-dev libroslib-dev libnodeletlib-dev
   pluginlib-dev libtf2-dev libtf2-ros-dev libtf2-msgs-dev libsensor-msgs-dev libstd-srvs-dev
-  libgeometry-msgs-dev libnav-msgs-dev libdiagnostic-updater-dev librosbag-dev libeigen3-dev
+  libgeometry-msgs-dev libnav-msgs-dev libdiagnostic-updater-dev libvisualization-msgs-dev librosbag-dev libeigen3-dev
   libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libpcl-dev libarmadillo-dev libceres-dev
   libnanoflann-dev)
 run_packages=(
   libnodeletlib-tools python3-roslaunch python3-rosbag librosbag-dev python3-rospy rosout rosbash
   rospack-tools python3-rosservice python3-geometry-msgs python3-sensor-msgs
+  python3-nav-msgs python3-visualization-msgs
   python3-matplotlib python3-numpy)
 view_packages=(rviz xvfb libgl1-mesa-dri imagemagick)
 test_packages=(libgtest-dev librostest-dev python3-rostest catkin-lint)

@@ -150,7 +150,7 @@ class BagClassifier {
 
  private:
   static TerrainNodeConfig configOf(const Options& options) {
-    TerrainNodeConfig config = readTerrainNodeConfigFile(options.config);
+    TerrainNodeConfig config = readConfigFile<TerrainNodeConfig>(options.config);
     if (!options.model.empty()) config.model = options.model;
     if (options.threads > 0) config.pipeline.threads = options.threads;
     return config;

@@ -70,7 +70,7 @@ EvaluatedInput evaluate(const LabelledSource& source, const LabelledInput& input
 }
 
 void run(const Options& options) {
-  TerrainNodeConfig config = readTerrainNodeConfigFile(options.config);
+  TerrainNodeConfig config = readConfigFile<TerrainNodeConfig>(options.config);
   const ClassifierModel model = loadClassifierModel(resolvePackagePath(options.model));
   config.pipeline = configFor(model, config.pipeline);
   if (options.threads > 0) config.pipeline.threads = options.threads;

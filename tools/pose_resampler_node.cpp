@@ -2,19 +2,9 @@
 // The pose re-sampler's nodelet as a program of its own.
 #include "pose_resampler_node.h"
 
-#include <ros/ros.h>
+#include "run_node.h"
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "pose_resampler");
-  // Beside the node: ROS shuts down with the last handle, and then the report below is not heard.
-  const ros::NodeHandle handle;
-  const ros::NodeHandle private_handle("~");
-  try {
-    ladar_perception::PoseResamplerNode node(handle, private_handle);
-    ros::spin();
-  } catch (const std::exception& error) {
-    ROS_FATAL("%s", error.what());
-    return 1;
-  }
-  return 0;
+  return ladar_perception::runNode<ladar_perception::PoseResamplerNode>(argc, argv,
+                                                                        "pose_resampler");
 }

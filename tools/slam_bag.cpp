@@ -13,12 +13,17 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "delayed_state_node_config.h"
+#include "ladar_perception/io/output_file.h"
+#include "ladar_perception/io/scan_writer.h"
 #include "ladar_perception/resample/cloud_resampler.h"
 #include "ladar_perception/slam/surface_registration.h"
 #include "ladar_perception/util/progress.h"
+#include "map_cloud.h"
+#include "pose_cloud_message.h"
+#include "pose_cloud_reader.h"
 #include "pose_collector.h"
 #include "scan_bag_reader.h"
-#include "slam_config.h"
 #include "slam_report.h"
 
 namespace ladar_perception {
@@ -69,17 +74,12 @@ class TruthLog {
   std::map<uint64_t, Eigen::Isometry3d> poses_;
 };
 
-std::shared_ptr<const PoseSamples> samplesOf(const KeptPose& pose, const ResampledCloud& cloud) {
-  auto samples = std::make_shared<PoseSamples>();
-  for (const Eigen::Vector3d& p : cloud.positions_m) {
-    samples->positions_m.push_back(p.cast<float>());
-  }
-  samples->normals = cloud.normals;
-  for (const uint32_t source : cloud.sources) {
-    if (!pose.points.rgb.empty()) samples->rgb.push_back(pose.points.rgb[source]);
-    if (!pose.points.labels.empty()) samples->labels.push_back(pose.points.labels[source]);
-  }
-  return samples;
+void writeMapCloud(const std::string& path, const std::vector<StatePose>& poses,
+                   const PoseGraph& graph) {
+  const MapCloud map = makeMapCloud(poses, graph, 0);
+  OutputFile file(path);
+  writeScan({map.layout, map.bytes}, ScanFormat::kPcd, &file.stream());
+  file.complete();
 }
 
 /// One run over a bag.
@@ -99,19 +99,20 @@ class BagSlam {
 
  private:
   static PoseResamplerNodeConfig posesConfigOf(const Options& options) {
-    PoseResamplerNodeConfig config = readPoseResamplerNodeConfigFile(options.poses_config);
+    PoseResamplerNodeConfig config = readConfigFile<PoseResamplerNodeConfig>(options.poses_config);
     if (options.count > 0) config.resampler.count = options.count;
     if (options.pose_distance_m > 0.0) config.keeper.pose_distance_m = options.pose_distance_m;
     if (options.threads > 0) config.resampler.threads = options.threads;
     return config;
   }
-  static SlamConfig slamConfigOf(const Options& options) {
-    SlamConfig config = readSlamConfigFile(options.slam_config);
+  static DelayedStateNodeConfig slamConfigOf(const Options& options) {
+    DelayedStateNodeConfig config = readConfigFile<DelayedStateNodeConfig>(options.slam_config);
     if (options.threads > 0) config.state.threads = options.threads;
     return config;
   }
 
   void processScan(const ScanBagReader::Scan& scan);
+  void reportDrop(const std::string& reason, const std::string& detail);
   void addPose(const CollectedPose& pose);
   void writeResults();
   Json metrics() const;
@@ -121,7 +122,7 @@ class BagSlam {
   Options options_;
   PoseResamplerNodeConfig poses_config_;
   Policies policies_;
-  SlamConfig slam_config_;
+  DelayedStateNodeConfig slam_config_;
   // Longer than any wait for tf, shorter than what makes look-ups slow.
   tf2::BufferCore buffer_{ros::Duration(30.0)};
   PoseCollector collector_;
@@ -130,7 +131,7 @@ class BagSlam {
   ScanBagReader reader_;
   TruthLog truth_;
   std::vector<uint64_t> stamps_ns_;
-  std::map<std::string, uint64_t> dropped_;  // scans by reason
+  std::map<std::string, uint64_t> dropped_;  // scans, and poses, by reason
   std::string first_drop_;
   uint64_t scans_ = 0;
   uint64_t points_in_ = 0;
@@ -179,22 +180,28 @@ void BagSlam::processScan(const ScanBagReader::Scan& scan) {
     throw std::runtime_error(options_.input + ": time jumps back at scan " +
                              std::to_string(scans_) + ": these are two drives");
   }
-  if (outcome.drop) {
-    const std::string reason = scanDropName(*outcome.drop);
-    ++dropped_[reason];
-    if (first_drop_.empty()) first_drop_ = reason + ": " + outcome.detail;
-  }
+  if (outcome.drop) reportDrop(scanDropName(*outcome.drop), outcome.detail);
   for (const CollectedPose& pose : outcome.complete) addPose(pose);
+}
+
+void BagSlam::reportDrop(const std::string& reason, const std::string& detail) {
+  ++dropped_[reason];
+  if (first_drop_.empty()) first_drop_ = reason + ": " + detail;
 }
 
 void BagSlam::addPose(const CollectedPose& pose) {
   const auto begin = Clock::now();
   const ResampledCloud cloud = resampler_.resample(pose.pose.points, policies_);
   times_ms_["resampling"].push_back(msSince(begin));
+  // By way of the message: the nodelet that receives it has the same bits.
+  const PoseCloudPtr message =
+      makePoseCloud(pose, poses_config_.odom_frame, {}, makeSampleCloud(pose, cloud));
   StatePose added;
-  added.stamp_s = static_cast<double>(pose.pose.stamp_ns) * 1e-9;
-  added.T_odom_pose = pose.pose.T_map_vehicle;
-  added.samples = samplesOf(pose.pose, cloud);
+  std::string detail;
+  if (const auto drop = readPoseCloud(*message, &added, &detail)) {
+    reportDrop(std::string("pose_") + stateDropName(*drop), detail);
+    return;
+  }
   const AddReport report = state_.add(added);
   times_ms_["search"].push_back(report.search_ms);
   times_ms_["registration"].push_back(report.registration_ms);
@@ -219,7 +226,7 @@ void BagSlam::writeResults() {
   writeTum(file("trajectory_tum.txt"), stamps_s, estimate);
   writeKitti(file("trajectory_kitti.txt"), estimate);
   writeTum(file("odometry_tum.txt"), stamps_s, odometry);
-  writeMapCloud(file("map.pcd"), state_);
+  writeMapCloud(file("map.pcd"), state_.poses(), state_.graph());
   state_.save(file("state.bin"));
   for (const auto& [name, json] :
        {std::pair("graph.json", graphJson(state_)), std::pair("metrics.json", metrics())}) {

@@ -257,7 +257,7 @@ void printTraining(const Training& training) {
 void train(const Options& options) {
   std::vector<TerrainNodeConfig> configs;
   for (const std::string& path : options.configs) {
-    configs.push_back(readTerrainNodeConfigFile(path));
+    configs.push_back(readConfigFile<TerrainNodeConfig>(path));
   }
   const std::vector<Feature> features = featuresOf(options);
   const LabelledSource source(options.source);

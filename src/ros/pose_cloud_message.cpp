@@ -37,6 +37,16 @@ geometry_msgs::Pose poseMessage(const Eigen::Isometry3d& T_parent_child) {
   return message;
 }
 
+geometry_msgs::Transform transformMessage(const Eigen::Isometry3d& T_parent_child) {
+  const geometry_msgs::Pose pose = poseMessage(T_parent_child);
+  geometry_msgs::Transform message;
+  message.translation.x = pose.position.x;
+  message.translation.y = pose.position.y;
+  message.translation.z = pose.position.z;
+  message.rotation = pose.orientation;
+  return message;
+}
+
 sensor_msgs::PointCloud2 makeSampleCloud(const CollectedPose& pose, const ResampledCloud& samples) {
   sensor_msgs::PointCloud2 message;
   message.header.stamp = timeOf(pose.pose.stamp_ns);

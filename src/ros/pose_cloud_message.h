@@ -3,6 +3,7 @@
 #pragma once
 
 #include <geometry_msgs/Pose.h>
+#include <geometry_msgs/Transform.h>
 #include <ladar_perception/PoseCloud.h>
 #include <sensor_msgs/PointCloud2.h>
 
@@ -15,6 +16,7 @@
 namespace ladar_perception {
 
 geometry_msgs::Pose poseMessage(const Eigen::Isometry3d& T_parent_child);
+geometry_msgs::Transform transformMessage(const Eigen::Isometry3d& T_parent_child);
 
 /// The samples in the pose's vehicle frame, with all fields of their nearest originals.
 sensor_msgs::PointCloud2 makeSampleCloud(const CollectedPose& pose, const ResampledCloud& samples);

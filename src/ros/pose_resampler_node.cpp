@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pose_cloud_message.h"
+#include "statistics_parts.h"
 
 namespace ladar_perception {
 namespace {
@@ -27,7 +28,7 @@ PoseResamplerNode::PoseResamplerNode(const ros::NodeHandle& handle,
                                      const ros::NodeHandle& private_handle)
     : handle_(handle),
       private_handle_(private_handle),
-      config_(readPoseResamplerNodeConfig(private_handle)),
+      config_(readConfig<PoseResamplerNodeConfig>(private_handle)),
       policies_(loadPolicies(config_)),
       tf_buffer_(ros::Duration(kTransformsKept_s)),
       tf_listener_(tf_buffer_, handle_),
@@ -305,19 +306,13 @@ void PoseResamplerNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& st
   status.add("scans", message.scans);
   status.add("scans between poses", message.scans_between);
   status.add("scans waiting", message.scans_waiting);
-  for (const DropCount& drop : message.scans_dropped) {
-    status.add("scans dropped: " + drop.reason, drop.count);
-  }
-  for (const DropCount& drop : message.points_dropped) {
-    status.add("points dropped: " + drop.reason, drop.count);
-  }
+  addDrops("scans dropped", message.scans_dropped, &status);
+  addDrops("points dropped", message.points_dropped, &status);
   status.add("poses", message.poses);
   status.add("poses published", message.poses_published);
   status.add("poses waiting", message.poses_waiting);
   status.add("backlog (s)", message.backlog_s);
-  for (const DropCount& drop : message.poses_dropped) {
-    status.add("poses dropped: " + drop.reason, drop.count);
-  }
+  addDrops("poses dropped", message.poses_dropped, &status);
   status.add("lag p50 (ms)", message.lag_p50_ms);
   status.add("lag p99 (ms)", message.lag_p99_ms);
   for (const StageTime& stage : message.stages) {

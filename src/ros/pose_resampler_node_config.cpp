@@ -2,11 +2,9 @@
 #include "pose_resampler_node_config.h"
 
 #include <stdexcept>
-#include <vector>
 
 #include "ladar_perception/classify/classifier_model.h"
 #include "package_path.h"
-#include "param_reader.h"
 
 namespace ladar_perception {
 namespace {
@@ -72,30 +70,17 @@ ParamTable PoseResamplerNodeConfig::table() {
   return table;
 }
 
-PoseResamplerNodeConfig readPoseResamplerNodeConfig(const ParamMap& values,
-                                                    const std::string& source) {
-  PoseResamplerNodeConfig config;
-  std::vector<std::string> violations = config.table().apply(values);
-  for (const std::string& violation : config.keeper.validate()) violations.push_back(violation);
-  for (const std::string& violation : config.resampler.validate()) violations.push_back(violation);
-  checkFrame("odom_frame", config.odom_frame, false, &violations);
-  checkFrame("vehicle_frame", config.vehicle_frame, true, &violations);
+std::vector<std::string> PoseResamplerNodeConfig::validate() const {
+  std::vector<std::string> violations = keeper.validate();
+  append(resampler.validate(), &violations);
+  checkFrame("odom_frame", odom_frame, false, &violations);
+  checkFrame("vehicle_frame", vehicle_frame, true, &violations);
   try {
-    loadPolicies(config);
+    loadPolicies(*this);
   } catch (const std::runtime_error& error) {
     violations.emplace_back(error.what());
   }
-  refuse(violations, source);
-  return config;
-}
-
-PoseResamplerNodeConfig readPoseResamplerNodeConfigFile(const std::string& path) {
-  return path.empty() ? PoseResamplerNodeConfig()
-                      : readPoseResamplerNodeConfig(loadParamFile(path), path);
-}
-
-PoseResamplerNodeConfig readPoseResamplerNodeConfig(const ros::NodeHandle& private_handle) {
-  return readPoseResamplerNodeConfig(paramsOf(private_handle), sourceName(private_handle));
+  return violations;
 }
 
 Policies loadPolicies(const PoseResamplerNodeConfig& config) {

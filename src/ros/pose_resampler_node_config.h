@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Configuration of the pose re-sampler's nodelet and node, and the strict readers of it.
+// Configuration of the pose re-sampler's nodelet and node.
 #pragma once
 
-#include <ros/node_handle.h>
-
 #include <string>
+#include <vector>
 
 #include "ladar_perception/params/param_table.h"
 #include "ladar_perception/resample/policy.h"
 #include "ladar_perception/resample/pose_keeper.h"
 #include "ladar_perception/resample/resample_config.h"
+#include "param_reader.h"
 
 namespace ladar_perception {
 
@@ -31,19 +31,12 @@ struct PoseResamplerNodeConfig {
 
   /// The table that feeds the strict readers, config/pose_resampler.yaml and the documentation.
   ParamTable table();
+  /// Violations that no single range can tell.
+  std::vector<std::string> validate() const;
 
  private:
   static ResampleConfig defaultResampling();
 };
-
-/// Configuration from a map of values. Throws std::runtime_error with every violation, one a line,
-/// under a first line that names `source` (a file or a namespace).
-PoseResamplerNodeConfig readPoseResamplerNodeConfig(const ParamMap& values,
-                                                    const std::string& source);
-/// From a YAML file; "" gives the defaults.
-PoseResamplerNodeConfig readPoseResamplerNodeConfigFile(const std::string& path);
-/// From the parameters in the handle's namespace.
-PoseResamplerNodeConfig readPoseResamplerNodeConfig(const ros::NodeHandle& private_handle);
 
 /// The policies that `config.policies` specifies, several of them separated by spaces or ';'. Class
 /// names are those of `config.model` or else of `config.class_names`. Throws std::runtime_error

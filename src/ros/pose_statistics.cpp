@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose_statistics.h"
 
-#include <numeric>
 #include <utility>
+
+#include "statistics_parts.h"
 
 namespace ladar_perception {
 namespace {
@@ -17,22 +18,6 @@ constexpr ResampleStage kResampleStages[] = {
     {"crust", &ResampleTimes::crust},     {"fronts", &ResampleTimes::fronts},
     {"samples", &ResampleTimes::samples}, {"total", &ResampleTimes::total},
 };
-
-template <std::size_t kReasons>
-uint64_t sum(const std::array<uint64_t, kReasons>& counts) {
-  return std::accumulate(counts.begin(), counts.end(), uint64_t{0});
-}
-
-template <typename Reason, std::size_t kReasons>
-void append(const std::array<uint64_t, kReasons>& counts, const char* (*name)(Reason),
-            std::vector<DropCount>* drops) {
-  for (std::size_t i = 0; i < kReasons; ++i) {
-    DropCount drop;
-    drop.reason = name(static_cast<Reason>(i));
-    drop.count = counts[i];
-    drops->push_back(drop);
-  }
-}
 
 }  // namespace
 
@@ -58,7 +43,7 @@ void PoseStatisticsLog::addScan(const ScanUse& use) {
   scans_between_ += use.taken ? 0 : 1;
   poses_ += use.joined ? 1 : 0;
   points_kept_ += use.points_kept;
-  points_in_ += use.points_kept + sum(use.dropped);
+  points_in_ += use.points_kept + sumOf(use.dropped);
   for (int i = 0; i < kGatherDrops; ++i) points_dropped_[i] += use.dropped[i];
 }
 
@@ -86,9 +71,9 @@ void PoseStatisticsLog::addPoseDrop(uint64_t id, PoseDrop reason) {
   waiting_since_.erase(id);
 }
 
-uint64_t PoseStatisticsLog::scansDropped() const { return sum(scans_dropped_); }
+uint64_t PoseStatisticsLog::scansDropped() const { return sumOf(scans_dropped_); }
 
-uint64_t PoseStatisticsLog::posesDropped() const { return sum(poses_dropped_); }
+uint64_t PoseStatisticsLog::posesDropped() const { return sumOf(poses_dropped_); }
 
 PoseResamplerStatistics PoseStatisticsLog::message() const {
   PoseResamplerStatistics message;
@@ -96,14 +81,14 @@ PoseResamplerStatistics PoseStatisticsLog::message() const {
   message.policies = policies_;
   message.scans = scans_;
   message.scans_between = scans_between_;
-  append(scans_dropped_, scanDropName, &message.scans_dropped);
+  appendDrops(scans_dropped_, scanDropName, &message.scans_dropped);
   message.points_in = points_in_;
   message.points_kept = points_kept_;
-  append(scan_points_dropped_, scanDropName, &message.points_dropped);
-  append(points_dropped_, gatherDropName, &message.points_dropped);
+  appendDrops(scan_points_dropped_, scanDropName, &message.points_dropped);
+  appendDrops(points_dropped_, gatherDropName, &message.points_dropped);
   message.poses = poses_;
   message.poses_published = published_;
-  append(poses_dropped_, poseDropName, &message.poses_dropped);
+  appendDrops(poses_dropped_, poseDropName, &message.poses_dropped);
   message.poses_waiting = static_cast<uint32_t>(posesWaiting());
   if (!waiting_since_.empty()) {
     // Poses are completed in the order of their ids.
@@ -116,11 +101,7 @@ PoseResamplerStatistics PoseStatisticsLog::message() const {
   message.lag_p99_ms = static_cast<float>(lag_ms_.percentile(0.99));
   message.lag_max_ms = static_cast<float>(lag_ms_.max());
   for (std::size_t i = 0; i < stage_ms_.size(); ++i) {
-    StageTime stage;
-    stage.stage = kResampleStages[i].name;
-    stage.p50_ms = static_cast<float>(stage_ms_[i].percentile(0.5));
-    stage.p99_ms = static_cast<float>(stage_ms_[i].percentile(0.99));
-    message.stages.push_back(stage);
+    message.stages.push_back(stageTime(kResampleStages[i].name, stage_ms_[i]));
   }
   message.resets = static_cast<uint32_t>(resets_);
   return message;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <stdexcept>
 
 #include "ladar_perception/slam/graph_covariance.h"
@@ -69,11 +68,6 @@ Json oneError(const Trajectory& poses, const Trajectory& truth) {
           {"aligned_max_m", aligned.max_m}};
 }
 
-template <typename T>
-void put(const T& value, std::string* bytes) {
-  bytes->append(reinterpret_cast<const char*>(&value), sizeof(T));
-}
-
 }  // namespace
 
 Json graphJson(const DelayedState& state) {
@@ -124,46 +118,6 @@ Json errorJson(const Trajectory& odometry, const Trajectory& estimate, const Tra
   return {{"poses_with_truth", truth.size()},
           {"odometry", oneError(odometry, truth)},
           {"estimate", oneError(estimate, truth)}};
-}
-
-void writeMapCloud(const std::string& path, const DelayedState& state) {
-  bool has_rgb = false;
-  bool has_labels = false;
-  std::size_t count = 0;
-  for (int i = 0; i < state.size(); ++i) {
-    const auto& samples = state.pose(i).samples;
-    if (!samples) continue;
-    count += samples->size();
-    has_rgb = has_rgb || !samples->rgb.empty();
-    has_labels = has_labels || !samples->labels.empty();
-  }
-  std::string bytes;
-  for (int i = 0; i < state.size(); ++i) {
-    const auto& samples = state.pose(i).samples;
-    if (!samples) continue;
-    const Eigen::Isometry3d& T = state.graph().pose(i);
-    for (std::size_t k = 0; k < samples->size(); ++k) {
-      const Eigen::Vector3f p = (T * samples->positions_m[k].cast<double>()).cast<float>();
-      const Eigen::Vector3f n = T.linear().cast<float>() * samples->normals[k];
-      for (const float value : {p.x(), p.y(), p.z(), n.x(), n.y(), n.z()}) put(value, &bytes);
-      if (has_rgb) put(samples->rgb.empty() ? uint32_t{0} : samples->rgb[k], &bytes);
-      if (has_labels) put(samples->labels.empty() ? uint8_t{0} : samples->labels[k], &bytes);
-      put(static_cast<uint32_t>(i), &bytes);
-    }
-  }
-  const auto field = [&](const char* with, bool is_there) {
-    return std::string(is_there ? with : "");
-  };
-  std::ofstream file(path, std::ios::binary);
-  file << "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n"
-       << "FIELDS x y z normal_x normal_y normal_z" << field(" rgb", has_rgb)
-       << field(" label", has_labels) << " pose\nSIZE 4 4 4 4 4 4" << field(" 4", has_rgb)
-       << field(" 1", has_labels) << " 4\nTYPE F F F F F F" << field(" U", has_rgb)
-       << field(" U", has_labels) << " U\nCOUNT 1 1 1 1 1 1" << field(" 1", has_rgb)
-       << field(" 1", has_labels) << " 1\nWIDTH " << count << "\nHEIGHT 1\n"
-       << "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS " << count << "\nDATA binary\n"
-       << bytes;
-  if (!file.flush()) throw std::runtime_error(path + ": cannot be written");
 }
 
 }  // namespace ladar_perception

@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "cloud_message.h"
+#include "statistics_parts.h"
 
 namespace ladar_perception {
 namespace {
@@ -22,7 +23,7 @@ double millisecondsSince(const ros::WallTime& begin) {
 TerrainNode::TerrainNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle)
     : handle_(handle),
       private_handle_(private_handle),
-      config_(readTerrainNodeConfig(private_handle)),
+      config_(readConfig<TerrainNodeConfig>(private_handle)),
       model_(loadFittingModel(config_)),
       tf_listener_(tf_buffer_, handle_),
       processor_(config_, model_, &tf_buffer_),
@@ -179,12 +180,8 @@ void TerrainNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) 
   status.add("points per second", message.points_per_second);
   status.add("latency p50 (ms)", message.latency_p50_ms);
   status.add("latency p99 (ms)", message.latency_p99_ms);
-  for (const DropCount& drop : message.scans_dropped) {
-    status.add("scans dropped: " + drop.reason, drop.count);
-  }
-  for (const DropCount& drop : message.points_dropped) {
-    status.add("points dropped: " + drop.reason, drop.count);
-  }
+  addDrops("scans dropped", message.scans_dropped, &status);
+  addDrops("points dropped", message.points_dropped, &status);
   status.add("occupied voxels", message.occupied_voxels);
   status.add("memory (MB)", static_cast<double>(message.memory_bytes) * 1e-6);
   status.add("map resets", message.resets);

@@ -4,7 +4,6 @@
 #include <stdexcept>
 
 #include "package_path.h"
-#include "param_reader.h"
 
 namespace ladar_perception {
 
@@ -30,23 +29,12 @@ ParamTable TerrainNodeConfig::table() {
   return table;
 }
 
-TerrainNodeConfig readTerrainNodeConfig(const ParamMap& values, const std::string& source) {
-  TerrainNodeConfig config;
-  std::vector<std::string> violations = config.table().apply(values);
-  for (const std::string& violation : config.pipeline.validate()) violations.push_back(violation);
-  checkFrame("map_frame", config.map_frame, false, &violations);
-  checkFrame("vehicle_frame", config.vehicle_frame, true, &violations);
-  if (config.model.empty()) violations.emplace_back("model: must not be empty");
-  refuse(violations, source);
-  return config;
-}
-
-TerrainNodeConfig readTerrainNodeConfigFile(const std::string& path) {
-  return path.empty() ? TerrainNodeConfig() : readTerrainNodeConfig(loadParamFile(path), path);
-}
-
-TerrainNodeConfig readTerrainNodeConfig(const ros::NodeHandle& private_handle) {
-  return readTerrainNodeConfig(paramsOf(private_handle), sourceName(private_handle));
+std::vector<std::string> TerrainNodeConfig::validate() const {
+  std::vector<std::string> violations = pipeline.validate();
+  checkFrame("map_frame", map_frame, false, &violations);
+  checkFrame("vehicle_frame", vehicle_frame, true, &violations);
+  if (model.empty()) violations.emplace_back("model: must not be empty");
+  return violations;
 }
 
 ClassifierModel loadFittingModel(const TerrainNodeConfig& config) {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Configuration of the terrain nodelet and of classify_bag, and the strict readers of it.
+// Configuration of the terrain nodelet and of classify_bag.
 #pragma once
 
-#include <ros/node_handle.h>
-
 #include <string>
+#include <vector>
 
 #include "ladar_perception/classify/classifier_model.h"
 #include "ladar_perception/params/param_table.h"
 #include "ladar_perception/terrain/terrain_config.h"
+#include "param_reader.h"
 
 namespace ladar_perception {
 
@@ -26,15 +26,9 @@ struct TerrainNodeConfig {
 
   /// The table that feeds the strict readers, config/terrain.yaml and the documentation.
   ParamTable table();
+  /// Violations that no single range can tell.
+  std::vector<std::string> validate() const;
 };
-
-/// Configuration from a map of values. Throws std::runtime_error with every violation, one a line,
-/// under a first line that names `source` (a file or a namespace).
-TerrainNodeConfig readTerrainNodeConfig(const ParamMap& values, const std::string& source);
-/// From a YAML file; "" gives the defaults.
-TerrainNodeConfig readTerrainNodeConfigFile(const std::string& path);
-/// From the parameters in the handle's namespace.
-TerrainNodeConfig readTerrainNodeConfig(const ros::NodeHandle& private_handle);
 
 /// Loads the model `config.model` names (a path or package://<package>/<path>) and checks that it
 /// fits the configuration. Throws std::runtime_error that names the file.

@@ -1,27 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <nodelet/nodelet.h>
-
-#include <memory>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "nodelet_of.h"
 #include "terrain_node.h"
 
 namespace ladar_perception {
 
-class TerrainNodelet : public nodelet::Nodelet {
- private:
-  void onInit() override {
-    try {
-      node_ = std::make_unique<TerrainNode>(getNodeHandle(), getPrivateNodeHandle());
-    } catch (const std::exception& error) {
-      // The manager reports that loading failed, but not why: what() is lost on the way.
-      NODELET_FATAL("%s", error.what());
-      throw;
-    }
-  }
-
-  std::unique_ptr<TerrainNode> node_;
-};
+class TerrainNodelet : public NodeletOf<TerrainNode> {};
 
 }  // namespace ladar_perception
 

@@ -2,21 +2,11 @@
 #include "terrain_statistics.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
+#include "statistics_parts.h"
+
 namespace ladar_perception {
-namespace {
-
-DropCount dropCount(const char* reason, uint64_t count) {
-  DropCount message;
-  message.reason = reason;
-  message.count = count;
-  return message;
-}
-
-}  // namespace
-
 TerrainStatisticsLog::TerrainStatisticsLog(std::string model_name, std::size_t window)
     : model_name_(std::move(model_name)),
       latency_ms_(window),
@@ -50,9 +40,7 @@ void TerrainStatisticsLog::addDrop(const sensor_msgs::PointCloud2& scan, ScanDro
   points_in_ += points;
 }
 
-uint64_t TerrainStatisticsLog::scansDropped() const {
-  return std::accumulate(scans_dropped_.begin(), scans_dropped_.end(), uint64_t{0});
-}
+uint64_t TerrainStatisticsLog::scansDropped() const { return sumOf(scans_dropped_); }
 
 TerrainStatistics TerrainStatisticsLog::message(const ClassifierModel& model) const {
   TerrainStatistics message;
@@ -61,15 +49,9 @@ TerrainStatistics TerrainStatisticsLog::message(const ClassifierModel& model) co
   message.scans = scans_;
   message.points_in = points_in_;
   message.points_inserted = points_inserted_;
-  for (int i = 0; i < kScanDrops; ++i) {
-    const char* name = scanDropName(static_cast<ScanDrop>(i));
-    message.scans_dropped.push_back(dropCount(name, scans_dropped_[i]));
-    message.points_dropped.push_back(dropCount(name, scan_points_dropped_[i]));
-  }
-  for (int i = 0; i < kPointDrops; ++i) {
-    message.points_dropped.push_back(
-        dropCount(pointDropName(static_cast<PointDrop>(i)), points_dropped_[i]));
-  }
+  appendDrops(scans_dropped_, scanDropName, &message.scans_dropped);
+  appendDrops(scan_points_dropped_, scanDropName, &message.points_dropped);
+  appendDrops(points_dropped_, pointDropName, &message.points_dropped);
   const double interval_s = scan_interval_s_.percentile(0.5);
   message.scan_rate_hz = static_cast<float>(interval_s > 0.0 ? 1.0 / interval_s : 0.0);
   message.points_per_second =
@@ -79,11 +61,7 @@ TerrainStatistics TerrainStatisticsLog::message(const ClassifierModel& model) co
   message.latency_p99_ms = static_cast<float>(latency_ms_.percentile(0.99));
   message.latency_max_ms = static_cast<float>(latency_ms_.max());
   for (int i = 0; i < kStages; ++i) {
-    StageTime stage;
-    stage.stage = stageName(static_cast<Stage>(i));
-    stage.p50_ms = static_cast<float>(stage_ms_[i].percentile(0.5));
-    stage.p99_ms = static_cast<float>(stage_ms_[i].percentile(0.99));
-    message.stages.push_back(stage);
+    message.stages.push_back(stageTime(stageName(static_cast<Stage>(i)), stage_ms_[i]));
   }
   message.occupied_voxels = static_cast<uint32_t>(occupied_voxels_);
   message.memory_bytes = memory_bytes_;

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "delayed_state_node_config.h"
 #include "pose_resampler_node_config.h"
 #include "program_run.h"
 #include "terrain_node_config.h"
@@ -23,6 +24,10 @@ struct Poses {
   using Config = PoseResamplerNodeConfig;
   static std::string path() { return LADAR_SOURCE_DIR "/config/pose_resampler.yaml"; }
 };
+struct Slam {
+  using Config = DelayedStateNodeConfig;
+  static std::string path() { return LADAR_SOURCE_DIR "/config/delayed_state.yaml"; }
+};
 
 std::string targetText(const ParamSpec& spec) {
   const auto text = [](auto* target) {
@@ -40,7 +45,7 @@ bool isNumber(const ParamSpec& spec) {
 
 template <typename Shipped>
 class ShippedConfig : public testing::Test {};
-using ShippedConfigs = testing::Types<Terrain, Poses>;
+using ShippedConfigs = testing::Types<Terrain, Poses, Slam>;
 TYPED_TEST_SUITE(ShippedConfig, ShippedConfigs, );
 
 TYPED_TEST(ShippedConfig, ListsEveryParameterOnce) {
@@ -119,6 +124,7 @@ TYPED_TEST(ShippedConfig, CommentsTellTheUnits) {
   for (const ParamSpec& spec : table.specs()) {
     for (const auto& [ending, unit] :
          {std::pair("_m", "m"), std::pair("_s", "s"), std::pair("_hz", "Hz")}) {
+      if (spec.name.find("_per_") != std::string::npos) continue;  // ends in what it is per
       const std::size_t at = spec.name.rfind(ending);
       if (at != std::string::npos && at + std::string(ending).size() == spec.name.size()) {
         EXPECT_EQ(spec.unit, unit) << spec.name;
@@ -128,11 +134,29 @@ TYPED_TEST(ShippedConfig, CommentsTellTheUnits) {
   }
 }
 
+TEST(Config, ReportsEveryViolation) {
+  try {
+    readConfig<DelayedStateNodeConfig>({{"loop_hops", 50},
+                                        {"solver", std::string("quick")},
+                                        {"treads", 2},
+                                        {"time_jump", std::string("panic")},
+                                        {"odom_frame", std::string("map")}},
+                                       "here");
+    FAIL() << "nothing was thrown";
+  } catch (const std::runtime_error& error) {
+    const std::string report = error.what();
+    for (const char* part : {"here: 5 bad parameters", "loop_hops: 50", "solver: 'quick'", "treads",
+                             "time_jump: 'panic'", "map_frame: 'map' is odom_frame"}) {
+      EXPECT_NE(report.find(part), std::string::npos) << part << " is not in: " << report;
+    }
+  }
+}
+
 TEST(Config, ShippedModelsFit) {
   providePackagePath();
   int models = 0;
   for (const auto& entry : std::filesystem::directory_iterator(LADAR_SOURCE_DIR "/config/models")) {
-    TerrainNodeConfig config = readTerrainNodeConfigFile(kConfigPath);
+    TerrainNodeConfig config = readConfigFile<TerrainNodeConfig>(kConfigPath);
     config.model = entry.path().string();
     EXPECT_NO_THROW({
       const ClassifierModel model = loadFittingModel(config);

@@ -2,18 +2,11 @@
 // Parameters that do not fit stop the start with one report that names each of them; the manager
 // and its other nodelets go on.
 #include "pose_resampler_node_config.h"
+#include "ros_bad_parameters.h"
 #include "ros_pose_client.h"
-#include "ros_process.h"
 
 namespace ladar_perception::test {
 namespace {
-
-/// Parameters of one start, and what the report must say of them.
-struct BadStart {
-  std::string name;
-  ParamMap parameters;
-  std::vector<std::string> report;
-};
 
 std::vector<BadStart> badStarts() {
   using std::string;
@@ -48,48 +41,12 @@ std::vector<BadStart> badStarts() {
   };
 }
 
-void expectReport(const std::string& text, const BadStart& start) {
-  for (const std::string& part : start.report) {
-    EXPECT_NE(text.find(part), std::string::npos) << "'" << part << "' is not in:\n" << text;
-  }
-}
-
 TEST(PoseBadParameters, TheNodeEndsWithAReport) {
-  for (const BadStart& start : badStarts()) {
-    SCOPED_TRACE(start.name);
-    const std::string node = "/node_" + start.name;
-    setTestPoseParameters(node);
-    setParameters(node, start.parameters);
-    TemporaryFolder folder;
-    const std::string output = folder.file("output.txt");
-    ChildProcess program({programPath("pose_resampler_node"), "__name:=" + node.substr(1)}, output);
-    ASSERT_TRUE(waitFor([&] { return !program.running(); })) << "it runs all the same";
-    EXPECT_EQ(program.exitCode(), 1);
-    const std::string text = textOf(output);
-    expectReport(text, start);
-    // One report, not one more after another start.
-    const std::size_t fatal = text.find("FATAL");
-    EXPECT_NE(fatal, std::string::npos) << text;
-    EXPECT_EQ(text.find("FATAL", fatal + 1), std::string::npos) << text;
-    ros::param::del(node);
-  }
+  expectProgramRefuses<PoseClient>("pose_resampler_node", badStarts());
 }
 
 TEST(PoseBadParameters, TheNodeletIsNotLoadedAndTheManagerGoesOn) {
-  const Manager manager("/manager");
-  for (const BadStart& start : badStarts()) {
-    SCOPED_TRACE(start.name);
-    const std::string nodelet = "/nodelet_" + start.name;
-    setTestPoseParameters(nodelet);
-    setParameters(nodelet, start.parameters);
-    LogListener log;
-    // The manager's log has to be connected before it has anything to say.
-    ASSERT_TRUE(log.hears("/manager"));
-    EXPECT_FALSE(manager.load(nodelet, kPoseNodelet));
-    EXPECT_TRUE(waitFor([&] { return log.count(start.report.back()) > 0; }));
-    expectReport(log.find(start.report.back()), start);
-    ros::param::del(nodelet);
-  }
+  expectManagerRefuses<PoseClient>(badStarts());
   LoadedPoses good("/good");
   ASSERT_TRUE(good.ready());
   good->sendMount();
@@ -99,16 +56,17 @@ TEST(PoseBadParameters, TheNodeletIsNotLoadedAndTheManagerGoesOn) {
 
 TEST(PoseBadParameters, ClassNamesComeFromTheParameterOrTheModel) {
   using std::string;
-  EXPECT_NO_THROW(readPoseResamplerNodeConfig(
+  EXPECT_NO_THROW(readConfig<PoseResamplerNodeConfig>(
       {{"policies", string("label:lawn=3;range:min=2")}, {"class_names", string("rock lawn")}},
       "test"));
   const PoseResamplerNodeConfig config =
-      readPoseResamplerNodeConfig({{"policies", string(" label:scatter=3 ;  uniform ")},
-                                   {"class_names", string("rock lawn")},
-                                   {"model", kTestModel}},
-                                  "test");
+      readConfig<PoseResamplerNodeConfig>({{"policies", string(" label:scatter=3 ;  uniform ")},
+                                           {"class_names", string("rock lawn")},
+                                           {"model", kTestModel}},
+                                          "test");
   EXPECT_EQ(loadPolicies(config).size(), 2U);
-  EXPECT_TRUE(loadPolicies(readPoseResamplerNodeConfig({{"policies", string()}}, "test")).empty());
+  EXPECT_TRUE(
+      loadPolicies(readConfig<PoseResamplerNodeConfig>({{"policies", string()}}, "test")).empty());
 }
 
 }  // namespace

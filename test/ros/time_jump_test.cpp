@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kDensity = 0.25;
 constexpr int kScans = 15;  // 1.5 s
-const std::map<std::string, double> kParameters = {{"tf_timeout_s", 2.0}};
+const ParamMap kParameters = {{"tf_timeout_s", 2.0}};
 
 class TimeJump : public testing::Test {
  protected:

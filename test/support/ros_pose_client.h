@@ -8,23 +8,23 @@
 #include <nav_msgs/Odometry.h>
 #include <nav_msgs/Path.h>
 
-#include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "ladar_perception/params/param_table.h"
 #include "ros_terrain_client.h"
 
 namespace ladar_perception::test {
 
-constexpr const char* kPoseNodelet = "ladar_perception/PoseResamplerNodelet";
 const std::string kTestPoseConfig =
     std::string(LADAR_SOURCE_DIR) + "/test/data/ros_pose_resampler.yaml";
 
 /// Feeds the pose re-sampler whose topics lie in namespace `ns` and collects what it publishes.
 class PoseClient {
  public:
+  static constexpr const char* kNodelet = "ladar_perception/PoseResamplerNodelet";
+  static constexpr const char* kName = "poses";
+  static ParamMap testParameters() { return loadParamFile(kTestPoseConfig); }
+
   explicit PoseClient(const std::string& node_name, const std::string& ns = "/")
       : node_name_(node_name), handle_(ns) {
     points_ = handle_.advertise<sensor_msgs::PointCloud2>("points", 1000);
@@ -144,54 +144,7 @@ class PoseClient {
   ros::Subscriber statistics_sub_;
 };
 
-/// Puts parameters where a node reads them.
-inline void setParameters(const std::string& node_name, const ParamMap& parameters) {
-  for (const auto& [name, value] : parameters) {
-    const std::string key = node_name + "/" + name;
-    if (const auto* flag = std::get_if<bool>(&value)) ros::param::set(key, *flag);
-    if (const auto* whole = std::get_if<int>(&value)) ros::param::set(key, *whole);
-    if (const auto* real = std::get_if<double>(&value)) ros::param::set(key, *real);
-    if (const auto* text = std::get_if<std::string>(&value)) ros::param::set(key, *text);
-  }
-}
-
-/// Parameters of a node for a test: those of the test's file.
-inline void setTestPoseParameters(const std::string& node_name) {
-  ros::param::del(node_name);
-  setParameters(node_name, loadParamFile(kTestPoseConfig));
-}
-
-/// A pose re-sampler <ns>/poses in the manager /manager, with test parameters and `parameters`
-/// besides, and its client; both as long as the object lives.
-class LoadedPoses {
- public:
-  explicit LoadedPoses(const std::string& ns, const ParamMap& parameters = {})
-      : name_(ns + "/poses"), client_(std::make_unique<PoseClient>(name_, ns)) {
-    setTestPoseParameters(name_);
-    setParameters(name_, parameters);
-    loaded_ = manager_.load(name_, kPoseNodelet);
-    connected_ = loaded_ && client_->connected();
-  }
-  ~LoadedPoses() {
-    EXPECT_TRUE(!loaded_ || manager_.unload(name_));
-    EXPECT_TRUE(client_->disconnected());
-    ros::param::del(name_);
-  }
-  LoadedPoses(const LoadedPoses&) = delete;
-  LoadedPoses& operator=(const LoadedPoses&) = delete;
-
-  /// Whether it loaded and all its topics stand.
-  bool ready() const { return connected_; }
-  PoseClient* operator->() { return client_.get(); }
-  PoseClient& operator*() { return *client_; }
-
- private:
-  std::string name_;
-  Manager manager_{"/manager"};
-  std::unique_ptr<PoseClient> client_;
-  bool loaded_ = false;
-  bool connected_ = false;
-};
+using LoadedPoses = LoadedNodelet<PoseClient>;
 
 /// Every scan, point and pose is accounted for, and no pose waits any more.
 inline void expectAccounted(const PoseResamplerStatistics& s) {

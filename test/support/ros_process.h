@@ -9,6 +9,7 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -18,7 +19,7 @@
 
 namespace ladar_perception::test {
 
-/// A folder that goes away, with the plain files in it, with the object.
+/// A folder that goes away with everything in it.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -27,20 +28,16 @@ class TemporaryFolder {
     path_ = name;
   }
   ~TemporaryFolder() {
-    for (const std::string& file : files_) unlink(file.c_str());
-    rmdir(path_.c_str());
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
-  std::string file(const std::string& name) {
-    files_.push_back(path_ + "/" + name);
-    return files_.back();
-  }
+  std::string file(const std::string& name) const { return path_ + "/" + name; }
 
  private:
   std::string path_;
-  std::vector<std::string> files_;
 };
 
 inline std::string textOf(const std::string& path) {

@@ -4,22 +4,16 @@
 #pragma once
 
 #include <functional>
-#include <map>
-#include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include <gtest/gtest.h>
 #include <ladar_perception/TerrainStatistics.h>
-#include <nodelet/NodeletLoad.h>
-#include <nodelet/NodeletUnload.h>
 #include <ros/ros.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include "ros_listeners.h"
+#include "ros_nodelets.h"
 #include "ros_scene.h"
 
 namespace ladar_perception::test {
@@ -27,31 +21,19 @@ namespace ladar_perception::test {
 const std::string kTestModel = std::string(LADAR_SOURCE_DIR) + "/test/data/ros_model.yaml";
 const std::string kTestConfig = std::string(LADAR_SOURCE_DIR) + "/test/data/ros_terrain.yaml";
 
-/// Calls a service without standing still meanwhile: false if it does not answer in time.
-template <typename Service>
-bool callService(const std::string& name, Service* service, double timeout_s = kPatience_s) {
-  bool there = false;
-  waitFor([&] { return there = ros::service::exists(name, false); }, timeout_s);
-  return there && ros::service::call(name, *service);
-}
-
-/// Count under a reason; ~0 if the reason is not listed.
-inline uint64_t countOf(const std::vector<DropCount>& drops, const std::string& reason) {
-  for (const DropCount& drop : drops) {
-    if (drop.reason == reason) return drop.count;
-  }
-  return ~uint64_t{0};
-}
-
-inline uint64_t sumOf(const std::vector<DropCount>& drops) {
-  uint64_t sum = 0;
-  for (const DropCount& drop : drops) sum += drop.count;
-  return sum;
-}
-
 /// Feeds the terrain node whose topics lie in namespace `ns` and collects what it publishes.
 class TerrainClient {
  public:
+  static constexpr const char* kNodelet = "ladar_perception/TerrainNodelet";
+  static constexpr const char* kName = "terrain";
+  /// All but the model as the package has them, and frequent statistics.
+  static ParamMap testParameters() {
+    return {{"model", kTestModel},
+            {"statistics_rate_hz", 20.0},
+            {"tf_timeout_s", 5.0},
+            {"map_rate_hz", 5.0}};
+  }
+
   explicit TerrainClient(const std::string& node_name, const std::string& ns = "/")
       : node_name_(node_name), handle_(ns) {
     points_ = handle_.advertise<sensor_msgs::PointCloud2>("points", 1000);
@@ -149,76 +131,7 @@ class TerrainClient {
   ros::Subscriber statistics_sub_;
 };
 
-/// Parameters of a node for a test: all but the model as the package has them, and frequent
-/// statistics.
-inline void setTestParameters(const std::string& node_name) {
-  ros::param::del(node_name);
-  ros::param::set(node_name + "/model", kTestModel);
-  ros::param::set(node_name + "/statistics_rate_hz", 20.0);
-  ros::param::set(node_name + "/tf_timeout_s", 5.0);
-  ros::param::set(node_name + "/map_rate_hz", 5.0);
-}
-
-/// A nodelet manager that a .test file starts.
-class Manager {
- public:
-  explicit Manager(std::string name) : name_(std::move(name)) {}
-
-  /// Loads a nodelet as `nodelet_name` with the parameters that stand there.
-  bool load(const std::string& nodelet_name,
-            const std::string& type = "ladar_perception/TerrainNodelet") const {
-    nodelet::NodeletLoad load;
-    load.request.name = nodelet_name;
-    load.request.type = type;
-    return callService(name_ + "/load_nodelet", &load) && load.response.success;
-  }
-  bool unload(const std::string& nodelet_name) const {
-    nodelet::NodeletUnload unload;
-    unload.request.name = nodelet_name;
-    return callService(name_ + "/unload_nodelet", &unload) && unload.response.success;
-  }
-
- private:
-  std::string name_;
-};
-
-/// A terrain nodelet <ns>/terrain in the manager /manager, with test parameters and `parameters`
-/// besides, and its client; both as long as the object lives.
-class LoadedTerrain {
- public:
-  explicit LoadedTerrain(const std::string& ns,
-                         const std::map<std::string, double>& parameters = {})
-      : name_(ns + "/terrain"), client_(std::make_unique<TerrainClient>(name_, ns)) {
-    setTestParameters(name_);
-    for (const auto& [name, value] : parameters) {
-      // Whole parameters must be whole on the server too.
-      const bool whole = name == "queue_size" || name == "threads";
-      whole ? ros::param::set(name_ + "/" + name, static_cast<int>(value))
-            : ros::param::set(name_ + "/" + name, value);
-    }
-    loaded_ = manager_.load(name_);
-    connected_ = loaded_ && client_->connected();
-  }
-  ~LoadedTerrain() {
-    EXPECT_TRUE(!loaded_ || manager_.unload(name_));
-    EXPECT_TRUE(client_->disconnected());
-    ros::param::del(name_);
-  }
-  LoadedTerrain(const LoadedTerrain&) = delete;
-  LoadedTerrain& operator=(const LoadedTerrain&) = delete;
-
-  /// Whether it loaded and all its topics stand.
-  bool ready() const { return connected_; }
-  TerrainClient* operator->() { return client_.get(); }
-  TerrainClient& operator*() { return *client_; }
-
- private:
-  std::string name_;
-  Manager manager_{"/manager"};
-  std::unique_ptr<TerrainClient> client_;
-  bool loaded_ = false;
-  bool connected_ = false;
-};
+using LoadedTerrain = LoadedNodelet<TerrainClient>;
 
 /// Share of the points of a true class that got its label.
 inline double recallOf(const sensor_msgs::PointCloud2& labeled, uint8_t label) {
@@ -232,14 +145,6 @@ inline double recallOf(const sensor_msgs::PointCloud2& labeled, uint8_t label) {
     right += i < found.size() && found[i] == label ? 1 : 0;
   }
   return points > 0 ? right / points : 0.0;
-}
-
-/// main() of a test under rostest.
-inline int runRosTest(int argc, char** argv, const std::string& name) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, name);
-  ros::NodeHandle keep_alive;
-  return RUN_ALL_TESTS();
 }
 
 }  // namespace ladar_perception::test

@@ -80,6 +80,7 @@ class DelayedState {
 
   int size() const { return graph_.size(); }
   const StatePose& pose(int index) const { return poses_.at(index); }
+  const std::vector<StatePose>& poses() const { return poses_; }
   const PoseGraph& graph() const { return graph_; }
   const ConstraintCounts& counts() const { return counts_; }
   const DelayedStateConfig& config() const { return config_; }
