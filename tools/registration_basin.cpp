@@ -49,7 +49,7 @@ void addOptions(CLI::App* app, Options* o) {
   app->add_option("--methods", o->methods,
                   "separated by commas: raw, voxel_grid, voxel_grid_25m (cropped to 25 m), random, "
                   "fps, or policies of the re-sampler (uniform, range, normal_variation:..., "
-                  "label:..., several multiplied by +)")
+                  "label:..., several multiplied by +): the points nearest to the samples")
       ->capture_default_str();
   app->add_option("--solver", o->solver,
                   "annealed or plain (point to plane), or PCL's pcl_icp, pcl_gicp, pcl_ndt")

@@ -65,6 +65,9 @@ Positions plainSamples(const PoseCloudData& cloud, const Sampling& sampling) {
 Positions policySamples(const PoseCloudData& cloud, const Sampling& sampling) {
   ResampleConfig config;
   config.count = sampling.count;
+  // What is registered ends against points of the scan: samples on a surface blended from few points
+  // would end beside it.
+  config.nearest_original = true;
   return CloudResampler(config).resample(cloud, policiesOf(sampling.method)).positions_m;
 }
 

@@ -16,7 +16,7 @@ namespace ladar_perception {
 struct PoseResamplerNodeConfig {
   PoseKeeperConfig keeper;
   ResampleConfig resampler = defaultResampling();
-  std::string policies = "range:min=6 normal_variation:mode=attract";
+  std::string policies = "range:min=12 normal_variation:mode=attract";
   std::string class_names = "surface scatter linear";
   std::string model;
   std::string odom_frame = "odom";

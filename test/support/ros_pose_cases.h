@@ -175,7 +175,7 @@ TEST_F(PoseCases, StatisticsAddUp) {
   EXPECT_EQ(s.samples, kPoseCasePoses * kPoseCaseSamples);
   EXPECT_EQ(s.header.stamp, Drive().scanStamp(9));
   EXPECT_EQ(s.header.frame_id, kMapFrame);
-  EXPECT_EQ(s.policies, "range:min=6 normal_variation:mode=attract");
+  EXPECT_EQ(s.policies, "range:min=12 normal_variation:mode=attract");
   EXPECT_EQ(s.scans_waiting, 0U);
   EXPECT_EQ(s.resets, 0U);
   EXPECT_GT(s.lag_p50_ms, 0.0F);
