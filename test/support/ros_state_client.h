@@ -13,6 +13,7 @@
 #include <tf2_msgs/TFMessage.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include <boost/make_shared.hpp>
 #include <map>
 #include <string>
 #include <utility>
@@ -91,7 +92,8 @@ class StateClient {
     });
   }
 
-  void send(const PoseCloud& pose) { poses_.publish(pose); }
+  /// By pointer: inside a manager messages that are passed so overtake others.
+  void send(const PoseCloud& pose) { poses_.publish(boost::make_shared<const PoseCloud>(pose)); }
   /// Sends a pose and waits until the node has done with it; whether it is in the state.
   bool add(const PoseCloud& pose) {
     const DelayedStateStatistics before = statistics();
