@@ -50,7 +50,9 @@ stop_children() {
 trap stop_children EXIT
 port=$((20000 + RANDOM % 20000))
 export ROS_MASTER_URI="http://localhost:$port"
+screen=true
 if [ -z "${DISPLAY:-}" ]; then
+  screen=false
   display_file="$(mktemp)"
   Xvfb -displayfd 3 -screen 0 1500x900x24 3>"$display_file" >out/xvfb.log 2>&1 &
   children+=($!)
@@ -65,6 +67,7 @@ fi
 
 echo "playing $bag"
 roslaunch -p "$port" ladar_perception replay.launch bag:="$bag" points:="$topic" delay:=4 \
+  respawn_rviz:="$([ "$screen" = true ] && echo false || echo true)" \
   >out/roslaunch.log 2>&1 &
 children+=($!)
 for _ in $(seq 100); do
@@ -73,4 +76,5 @@ for _ in $(seq 100); do
 done
 rosrun ladar_perception terrain_summary.py || fail "the replay gave no labels; see out/roslaunch.log"
 import -window root out/demo.png 2>out/picture.log || fail "no picture; see out/picture.log"
+[ "$(identify -format %k out/demo.png)" -gt 100 ] || fail "rviz drew nothing; see out/roslaunch.log"
 echo "picture: out/demo.png"
