@@ -252,7 +252,7 @@ class TileGrid {
 
   std::array<int, 3> corner_{};  // least cell, from the origin
   std::vector<Blend> blends_;
-  std::vector<uint16_t> touched_;  // the first touched_count_
+  std::vector<uint16_t> touched_;  // the first touched_count_; the next is written before it counts
   std::size_t touched_count_ = 0;
 };
 

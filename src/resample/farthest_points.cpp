@@ -250,11 +250,11 @@ class Chooser {
   FarthestPointsGoal goal_;
   ThreadPool* pool_;
   Tiles tiles_;
-  std::vector<float> bounds_;   // of the time of the vertex near a cell: it can only fall
-  std::vector<float> slack_;    // how much later than a cell its vertex may be
+  std::vector<float> bounds_;  // of the time of the vertex near a cell: it can only fall
+  std::vector<float> slack_;   // how much later than a cell its vertex may be
   TakenCells taken_;
-  std::vector<std::vector<Choice>> chosen_;  // by tile, in this round
-  std::vector<Fronts<Metric>> fronts_;       // by thread
+  std::vector<std::vector<Choice>> chosen_;    // by tile, in this round
+  std::vector<Fronts<Metric>> fronts_;         // by thread
   std::vector<std::vector<uint32_t>> around_;  // by thread: cells with samples
   SampleSet set_;
   float left_out_ = 0.0F;  // arrival time at the farthest place chosen but not taken

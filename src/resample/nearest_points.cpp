@@ -91,8 +91,7 @@ uint32_t nearestPoint(const GridPoints& points, const VoxelPyramid& pyramid,
     return nearest.distance2 <= depth * depth;
   };
   for (int level = 0; level < pyramid.levels(); ++level) {
-    nearest =
-        nearestInLevel<1>(points, pyramid.level(level), level, cell >> 3 * level, place);
+    nearest = nearestInLevel<1>(points, pyramid.level(level), level, cell >> 3 * level, place);
     if (isSure(1, level)) return nearest.point;
   }
   // In the middle of a wide gap.

@@ -25,8 +25,8 @@ constexpr float kLeastSemiAxis = 0.75F;
 // Points are on a line if the second eigenvalue is below this part of the first.
 constexpr float kLineRatio = 0.1F;
 // Points are planar if the third eigenvalue is below this part of the second, and their standard
-// deviation from the plane is below this part of a cell: a coarse piece over a wall and the panes of
-// its windows would run beside both.
+// deviation from the plane is below this part of a cell: a coarse piece over a wall and the panes
+// of its windows would run beside both.
 constexpr float kPlanarRatio = 0.05F;
 constexpr float kPlanarCells = 0.3F;
 

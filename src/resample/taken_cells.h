@@ -20,7 +20,8 @@ class TakenCells {
 
   /// Different tiles may do so at the same time.
   void add(uint32_t cell);
-  /// Appends the taken cells around a cell, of its size, half and twice of it, and some farther off.
+  /// Appends the taken cells around a cell, of its size, half and twice of it, and some farther
+  /// off.
   void findAround(uint32_t cell, std::vector<uint32_t>* cells) const;
 
  private:
