@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "ladar_perception/resample/area_estimate.h"
 #include "ladar_perception/resample/crust.h"
 #include "ladar_perception/resample/farthest_points.h"
 #include "ladar_perception/resample/fronts.h"
@@ -38,10 +39,11 @@ constexpr int kIslandLevel = 2;
 constexpr double kRadiusPerSpacing = 0.85;
 // The cell size, from an estimate of the area, is corrected by the crust's own area if it is off by
 // more than this: larger cells would be too few for good places, smaller ones too many for speed.
-constexpr double kCellSizeSlack = 1.2;
+constexpr double kCellSizeSlack = 1.25;
 // Every so many points are enough to estimate an area, as long as these are left.
 constexpr std::size_t kEstimateStride = 4;
 constexpr std::size_t kEstimatePoints = 20000;
+constexpr int kEstimateSteps = 20;
 // Cells of that grid along the cloud's extent, of which what is beyond 10 km does not count.
 constexpr double kFineCells = 4096.0;
 constexpr double kLargestExtent_m = 1e4;
@@ -182,7 +184,7 @@ class CloudResampler::Impl {
     if (policies_.empty()) return {};
     if (std::any_of(policies_.begin(), policies_.end(),
                     [](const auto& policy) { return policy->needsNormals(); })) {
-      const double cell_m = cellFor(estimateArea(fineGrid(points.positions_m), {}));
+      const double cell_m = firstCell(points.positions_m, {});
       const GridPoints grid =
           sortIntoGrid(points.positions_m, frameFor(points.positions_m, cell_m));
       const VoxelPyramid pyramid(grid, {}, kBridgeLevels + 1);
@@ -241,8 +243,9 @@ class CloudResampler::Impl {
     return frame;
   }
 
-  /// Points, or enough of them, in fine cells, for an estimate of their area.
-  static GridPoints fineGrid(const std::vector<Eigen::Vector3d>& positions_m) {
+  /// The size of cells for an estimate of the area, from points, or enough of them, in fine cells.
+  double firstCell(const std::vector<Eigen::Vector3d>& positions_m,
+                   const std::vector<float>& weights) const {
     Eigen::Vector3d least = positions_m.front();
     Eigen::Vector3d greatest = least;
     for (const Eigen::Vector3d& p : positions_m) {
@@ -250,9 +253,15 @@ class CloudResampler::Impl {
       greatest = greatest.cwiseMax(p);
     }
     const double extent_m = std::min((greatest - least).maxCoeff(), kLargestExtent_m);
-    const double cell_m = std::max(extent_m / kFineCells, kLeastCell_m);
+    const double fine_m = std::max(extent_m / kFineCells, kLeastCell_m);
     const bool many = positions_m.size() > kEstimateStride * kEstimatePoints;
-    return sortIntoGrid(positions_m, frameFor(positions_m, cell_m), many ? kEstimateStride : 1);
+    const std::size_t stride = many ? kEstimateStride : 1;
+    const AreaEstimate estimate(sortIntoGrid(positions_m, frameFor(positions_m, fine_m), stride),
+                                weights, stride);
+    // Smaller cells see less of a surface in sparse points, and more of them are needed then.
+    double cell_m = cellFor(estimate.area_m2(std::numeric_limits<double>::max()));
+    for (int step = 0; step < kEstimateSteps; ++step) cell_m = cellFor(estimate.area_m2(cell_m));
+    return cell_m;
   }
 
   std::size_t wantedSamples() const {
@@ -285,7 +294,7 @@ class CloudResampler::Impl {
     double cell_m = config_.cell_size_m;
     if (cell_m == 0.0) {
       const Stopwatch watch(&result_.times_ms.voxels);
-      cell_m = cellFor(estimateArea(fineGrid(points_.positions_m), weights_));
+      cell_m = firstCell(points_.positions_m, weights_);
     }
     for (int attempt = 0;; ++attempt) {
       makeCrust(frameFor(points_.positions_m, cell_m));

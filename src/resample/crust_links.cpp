@@ -2,7 +2,6 @@
 #include "crust_links.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -12,17 +11,16 @@
 namespace ladar_perception {
 namespace {
 
-/// Steps in a block to the 27 cells around one, itself included, x fastest.
-constexpr std::array<int, 27> stepsInBlock() {
-  std::array<int, 27> steps{};
-  for (int n = 0; n < 27; ++n) {
-    steps[static_cast<std::size_t>(n)] =
-        SparseGrid::blockIndex(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1) -
-        SparseGrid::blockIndex(0, 0, 0);
-  }
-  return steps;
+/// Which of the 27 steps (x fastest) it is from a cell of a brick to one of a brick around it.
+constexpr uint32_t stepBetween(uint64_t from, uint32_t direction, uint64_t to) {
+  const auto d = static_cast<int>(direction);
+  const auto steps = [](uint32_t a, int side, uint32_t b) {
+    return static_cast<int>(b) + 4 * side - static_cast<int>(a) + 1;
+  };
+  return static_cast<uint32_t>(steps(morton::x(from), d % 3 - 1, morton::x(to)) +
+                               3 * steps(morton::y(from), d / 3 % 3 - 1, morton::y(to)) +
+                               9 * steps(morton::z(from), d / 9 - 1, morton::z(to)));
 }
-constexpr std::array<int, 27> kSteps = stepsInBlock();
 
 struct Place {
   uint64_t key;  // of level 0
@@ -56,6 +54,7 @@ class Linker {
       keys.reserve(surfels[level].size());
       for (const Surfel& surfel : surfels[level]) keys.push_back(surfel.key);
       grids_[level].assign(std::move(keys));
+      grids_[level].linkBricks();
       numbers_[level].resize(surfels[level].size());
     }
     for (std::size_t i = 0; i < places.size(); ++i) {
@@ -71,13 +70,8 @@ class Linker {
       const std::size_t first = runs_.size();
       runs_.resize(first + (bricks + kRun - 1) / kRun);
       parallelFor(pool, runs_.size() - first, 1, [&](std::size_t begin, std::size_t end) {
-        SparseGrid::Block block;
         for (std::size_t run = begin; run < end; ++run) {
-          std::vector<Link>* links = &runs_[first + run];
-          for (std::size_t brick = run * kRun; brick < std::min((run + 1) * kRun, bricks);
-               ++brick) {
-            linkBrick(level, brick, &block, links);
-          }
+          linkRun(level, run * kRun, std::min((run + 1) * kRun, bricks), &runs_[first + run]);
         }
       });
     }
@@ -89,50 +83,73 @@ class Linker {
     uint32_t a;
     uint32_t b;
   };
+  /// Neighbours of a run of cells of one level.
+  struct Run {
+    std::size_t level = 0;
+    uint32_t first_cell = 0;
+    std::vector<uint8_t> counts;      // of neighbours of the same level, by cell
+    std::vector<uint32_t> neighbors;  // those, one cell's after the other's
+    std::vector<Link> above;          // to larger cells
+  };
 
-  /// Links to half of the neighbours of this size, which do not find this one, and to larger ones.
-  void linkBrick(std::size_t level, std::size_t brick, SparseGrid::Block* block,
-                 std::vector<Link>* links) const {
+  void linkRun(std::size_t level, std::size_t first_brick, std::size_t last_brick, Run* run) const {
     const SparseGrid& grid = grids_[level];
-    const std::vector<uint32_t>& numbers = numbers_[level];
-    grid.gather(brick, block);
-    const uint32_t end = grid.brickEnd(brick);
-    for (uint32_t i = grid.bricks()[brick].first; i < end; ++i) {
-      const uint64_t bit = grid.keys()[i] & 63;
-      const int middle =
-          SparseGrid::blockIndex(static_cast<int>(morton::x(bit)), static_cast<int>(morton::y(bit)),
-                                 static_cast<int>(morton::z(bit)));
-      for (std::size_t step = kSteps.size() / 2 + 1; step < kSteps.size(); ++step) {
-        const uint32_t other = (*block)[static_cast<std::size_t>(middle + kSteps[step])];
-        if (other != kNoIndex) links->push_back({numbers[i], numbers[other]});
-      }
-      if (level + 1 == grids_.size()) continue;
-      const std::size_t first_link = links->size();
-      for (std::size_t step = 0; step < kSteps.size(); ++step) {
-        if ((*block)[static_cast<std::size_t>(middle + kSteps[step])] == kNoIndex) {
-          linkAbove(numbers[i], level, i, step, first_link, links);
-        }
-      }
+    run->level = level;
+    run->first_cell = grid.bricks()[first_brick].first;
+    run->counts.reserve(grid.brickEnd(last_brick - 1) - run->first_cell);
+    // Neighbours are written before it is known how many there are.
+    constexpr std::size_t kMost = 64 * 27;
+    std::size_t size = 0;
+    for (std::size_t brick = first_brick; brick < last_brick; ++brick) {
+      if (run->neighbors.size() < size + kMost) run->neighbors.resize(2 * size + kMost);
+      dispatch([&]() LADAR_INLINE_LAMBDA { size = linkBrick(level, brick, size, run); });
     }
+    run->neighbors.resize(size);
   }
 
-  void linkAbove(uint32_t cell, std::size_t level, uint32_t index, std::size_t step,
-                 std::size_t first_link, std::vector<Link>* links) const {
-    const auto n = static_cast<int>(step);
-    uint64_t key = grids_[level].keys()[index];
-    key = morton::step(key, morton::kAxisX, n % 3 - 1);
-    key = morton::step(key, morton::kAxisY, n / 3 % 3 - 1);
-    key = morton::step(key, morton::kAxisZ, n / 9 - 1);
-    for (std::size_t above = level + 1; above < grids_.size(); ++above) {
-      key >>= 3;
-      const uint32_t other = grids_[above].find(key);
-      if (other == kNoIndex) continue;
-      const uint32_t number = numbers_[above][other];
-      const auto begin = links->begin() + static_cast<std::ptrdiff_t>(first_link);
-      if (std::none_of(begin, links->end(), [&](const Link& l) { return l.b == number; })) {
-        links->push_back({cell, number});
+  /// Returns how many neighbours the run has then.
+  LADAR_INLINE std::size_t linkBrick(std::size_t level, std::size_t brick, std::size_t size,
+                                     Run* run) const {
+    const SparseGrid& grid = grids_[level];
+    const std::vector<uint32_t>& numbers = numbers_[level];
+    const bool larger = level + 1 < grids_.size();
+    uint32_t cell = grid.bricks()[brick].first;
+    for (uint64_t mask = grid.bricks()[brick].mask; mask != 0; mask &= mask - 1, ++cell) {
+      const int bit = __builtin_ctzll(mask);
+      const std::size_t before = size;
+      uint32_t met = 0;
+      grid.visitNear<1>(brick, bit, [&](uint32_t other, uint32_t direction, int other_bit) {
+        run->neighbors[size] = numbers[other];
+        size += other != cell ? 1 : 0;
+        if (larger) met |= uint32_t{1} << stepBetween(static_cast<uint64_t>(bit), direction,
+                                                      static_cast<uint64_t>(other_bit));
+      });
+      run->counts.push_back(static_cast<uint8_t>(size - before));
+      if (larger) linkAbove(level, cell, met, run);
+    }
+    return size;
+  }
+
+  /// Links to the larger cells in those steps around a cell that met none of its own size.
+  void linkAbove(std::size_t level, uint32_t cell, uint32_t met, Run* run) const {
+    const std::size_t first = run->above.size();
+    for (int step = 0; step < 27; ++step) {
+      if ((met >> step & 1) != 0) continue;
+      uint64_t key = grids_[level].keys()[cell];
+      key = morton::step(key, morton::kAxisX, step % 3 - 1);
+      key = morton::step(key, morton::kAxisY, step / 3 % 3 - 1);
+      key = morton::step(key, morton::kAxisZ, step / 9 - 1);
+      for (std::size_t above = level + 1; above < grids_.size(); ++above) {
+        key >>= 3;
+        const uint32_t other = grids_[above].find(key);
+        if (other == kNoIndex) continue;
+        const uint32_t number = numbers_[above][other];
+        const auto begin = run->above.begin() + static_cast<std::ptrdiff_t>(first);
+        if (std::none_of(begin, run->above.end(), [&](const Link& l) { return l.b == number; })) {
+          run->above.push_back({numbers_[level][cell], number});
+        }
+        break;
       }
-      return;
     }
   }
 
@@ -140,8 +157,10 @@ class Linker {
   void writeNeighbors() {
     std::vector<uint32_t>& first = crust_->first_neighbor;
     first.assign(crust_->size() + 1, 0);
-    for (const std::vector<Link>& links : runs_) {
-      for (const Link& link : links) {
+    for (const Run& run : runs_) {
+      const uint32_t* numbers = numbers_[run.level].data() + run.first_cell;
+      for (std::size_t i = 0; i < run.counts.size(); ++i) first[numbers[i] + 1] += run.counts[i];
+      for (const Link& link : run.above) {
         ++first[link.a + 1];
         ++first[link.b + 1];
       }
@@ -149,8 +168,14 @@ class Linker {
     std::partial_sum(first.begin(), first.end(), first.begin());
     crust_->neighbors.resize(first.back());
     std::vector<uint32_t> next(first.begin(), first.end() - 1);
-    for (const std::vector<Link>& links : runs_) {
-      for (const Link& link : links) {
+    for (const Run& run : runs_) {
+      const uint32_t* numbers = numbers_[run.level].data() + run.first_cell;
+      auto from = run.neighbors.begin();
+      for (std::size_t i = 0; i < run.counts.size(); ++i, from += run.counts[i - 1]) {
+        std::copy_n(from, run.counts[i], crust_->neighbors.begin() + next[numbers[i]]);
+        next[numbers[i]] += run.counts[i];
+      }
+      for (const Link& link : run.above) {
         crust_->neighbors[next[link.a]++] = link.b;
         crust_->neighbors[next[link.b]++] = link.a;
       }
@@ -160,7 +185,7 @@ class Linker {
   Crust* crust_;
   std::vector<SparseGrid> grids_;
   std::vector<std::vector<uint32_t>> numbers_;  // in the crust, by level
-  std::vector<std::vector<Link>> runs_;
+  std::vector<Run> runs_;
 };
 
 }  // namespace

@@ -8,17 +8,6 @@
 #include "ladar_perception/resample/radix_sort.h"
 
 namespace ladar_perception {
-namespace {
-
-/// Points of a cube: all of them, those with no smaller cube of enough points, and their weight.
-struct CubeCount {
-  uint64_t key;
-  uint32_t points;
-  double open_weight;
-};
-
-}  // namespace
-
 uint64_t cellKey(const Eigen::Vector3f& p) {
   const auto cell = [](float value) {
     return static_cast<uint32_t>(floorToInt(value) + static_cast<int>(GridFrame::kOriginCell));
@@ -76,46 +65,6 @@ Eigen::Vector3d gridOrigin(const std::vector<Eigen::Vector3d>& positions_m, doub
     least[axis] = *middle;
   }
   return least;
-}
-
-double estimateArea(const GridPoints& points, const std::vector<float>& weights) {
-  constexpr uint32_t kEnough = 4;
-  // A plane through a grid of cubes meets 1 to 1.7 of them for every one's face, and the least
-  // cubes with enough points leave gaps: measured on clouds of ladars and on planes.
-  constexpr double kCubesPerFace = 0.95;
-  std::vector<CubeCount> cubes;
-  cubes.reserve(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const double weight = weights.empty() ? 1.0 : double{weights[points.sources[i]]};
-    if (cubes.empty() || cubes.back().key != points.keys[i])
-      cubes.push_back({points.keys[i], 0, 0});
-    ++cubes.back().points;
-    cubes.back().open_weight += weight;
-  }
-  double area_cells = 0.0;
-  double face = 1.0;
-  for (int level = 0; level < morton::kBitsPerAxis && !cubes.empty(); ++level, face *= 4.0) {
-    std::size_t kept = 0;
-    bool open = false;
-    for (std::size_t i = 0; i < cubes.size(); ++i) {
-      CubeCount cube = cubes[i];
-      if (cube.points >= kEnough && cube.open_weight > 0.0) {
-        area_cells += face * cube.open_weight / cube.points;
-        cube.open_weight = 0.0;
-      }
-      open = open || cube.open_weight > 0.0;
-      cube.key >>= 3;
-      if (kept > 0 && cubes[kept - 1].key == cube.key) {
-        cubes[kept - 1].points += cube.points;
-        cubes[kept - 1].open_weight += cube.open_weight;
-      } else {
-        cubes[kept++] = cube;
-      }
-    }
-    cubes.resize(kept);
-    if (!open) break;
-  }
-  return area_cells / kCubesPerFace * points.frame.cell_m * points.frame.cell_m;
 }
 
 }  // namespace ladar_perception

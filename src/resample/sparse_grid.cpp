@@ -70,19 +70,35 @@ void SparseGrid::assign(std::vector<uint64_t> keys) {
   }
 }
 
+void SparseGrid::linkBricks() {
+  constexpr uint32_t kOwn = 13;
+  around_.resize(bricks_.size());
+  for (auto& around : around_) around.fill(kNoIndex);
+  for (uint32_t brick = 0; brick < bricks_.size(); ++brick) {
+    around_[brick][kOwn] = brick;
+    // Half of the directions: from the others this brick is found.
+    for (uint32_t direction = kOwn + 1; direction < 27; ++direction) {
+      const auto d = static_cast<int>(direction);
+      uint64_t key = morton::step(bricks_[brick].key, morton::kAxisX, d % 3 - 1);
+      key = morton::step(key, morton::kAxisY, d / 3 % 3 - 1);
+      const uint32_t other = findBrick(morton::step(key, morton::kAxisZ, d / 9 - 1));
+      if (other == kNoIndex) continue;
+      around_[brick][direction] = other;
+      around_[other][2 * kOwn - direction] = brick;
+    }
+  }
+}
+
 LADAR_INLINE void SparseGrid::gatherInto(std::size_t brick, Block* block) const {
   block->fill(kNoIndex);
-  const uint64_t key = bricks_[brick].key;
   const uint64_t own = bricks_[brick].mask;
+  std::size_t direction = 0;
   for (int dz = -1; dz <= 1; ++dz) {
     for (int dy = -1; dy <= 1; ++dy) {
-      for (int dx = -1; dx <= 1; ++dx) {
+      for (int dx = -1; dx <= 1; ++dx, ++direction) {
         // Only where one of our own cells lies on that side.
         if ((own & sides(dx, dy, dz)) == 0) continue;
-        uint64_t neighbor_key = morton::step(key, morton::kAxisX, dx);
-        neighbor_key = morton::step(neighbor_key, morton::kAxisY, dy);
-        neighbor_key = morton::step(neighbor_key, morton::kAxisZ, dz);
-        const uint32_t neighbor = findBrick(neighbor_key);
+        const uint32_t neighbor = around_[brick][direction];
         if (neighbor == kNoIndex) continue;
         // Of the brick on side d only the cells on its side -d are around ours.
         uint64_t mask = bricks_[neighbor].mask & sides(-dx, -dy, -dz);

@@ -33,6 +33,7 @@ TakenCells::TakenCells(const Crust& crust) : crust_(crust) {
   }
   for (std::size_t level = 0; level < levels_.size(); ++level) {
     levels_[level].grid.assign(std::move(keys[level]));
+    levels_[level].grid.linkBricks();
     levels_[level].taken.assign(levels_[level].grid.bricks().size(), 0);
   }
 }
@@ -45,23 +46,39 @@ void TakenCells::add(uint32_t cell) {
 }
 
 void TakenCells::findAround(uint32_t cell, std::vector<uint32_t>* cells) const {
-  const int own = crust_.levels[cell];
+  const std::size_t own = crust_.levels[cell];
+  findNear(levels_[own], crust_.keys[cell] >> 3 * own, cells);
+  if (own > 0) findWithin(own - 1, cell, cells);
+  if (own + 1 < levels_.size()) findWithin(own + 1, cell, cells);
+}
+
+void TakenCells::findNear(const Level& level, uint64_t key, std::vector<uint32_t>* cells) {
+  const uint32_t brick = level.grid.findBrick(key >> 6);
+  const auto& sides = kNearCells<kReach>.sides[key & 63];
+  for (std::size_t i = 0; i < kNearCells<kReach>.count[key & 63]; ++i) {
+    const uint32_t near = level.grid.brickAround(brick, sides[i].direction);
+    if (near == kNoIndex) continue;
+    for (uint64_t mask = level.taken[near] & sides[i].mask; mask != 0; mask &= mask - 1) {
+      cells->push_back(level.numbers[level.grid.cellIn(near, __builtin_ctzll(mask))]);
+    }
+  }
+}
+
+void TakenCells::findWithin(std::size_t number, uint32_t cell, std::vector<uint32_t>* cells) const {
+  const Level& level = levels_[number];
   const uint64_t key = crust_.keys[cell];
-  const uint32_t edge = uint32_t{1} << own;
-  const int last = std::min(own + 1, static_cast<int>(levels_.size()) - 1);
-  for (int number = std::max(own - 1, 0); number <= last; ++number) {
-    const Level& level = levels_[static_cast<std::size_t>(number)];
-    const BrickRange x(morton::x(key), edge, number + 2);
-    const BrickRange y(morton::y(key), edge, number + 2);
-    const BrickRange z(morton::z(key), edge, number + 2);
-    for (uint32_t bz = z.low; bz <= z.high; ++bz) {
-      for (uint32_t by = y.low; by <= y.high; ++by) {
-        for (uint32_t bx = x.low; bx <= x.high; ++bx) {
-          const uint32_t brick = level.grid.findBrick(morton::encode(bx, by, bz));
-          if (brick == kNoIndex) continue;
-          for (uint64_t mask = level.taken[brick]; mask != 0; mask &= mask - 1) {
-            cells->push_back(level.numbers[level.grid.cellIn(brick, __builtin_ctzll(mask))]);
-          }
+  const uint32_t edge = uint32_t{1} << crust_.levels[cell];
+  const int brick_shift = static_cast<int>(number) + 2;
+  const BrickRange x(morton::x(key), edge, brick_shift);
+  const BrickRange y(morton::y(key), edge, brick_shift);
+  const BrickRange z(morton::z(key), edge, brick_shift);
+  for (uint32_t bz = z.low; bz <= z.high; ++bz) {
+    for (uint32_t by = y.low; by <= y.high; ++by) {
+      for (uint32_t bx = x.low; bx <= x.high; ++bx) {
+        const uint32_t brick = level.grid.findBrick(morton::encode(bx, by, bz));
+        if (brick == kNoIndex) continue;
+        for (uint64_t mask = level.taken[brick]; mask != 0; mask &= mask - 1) {
+          cells->push_back(level.numbers[level.grid.cellIn(brick, __builtin_ctzll(mask))]);
         }
       }
     }

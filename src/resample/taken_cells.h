@@ -20,8 +20,8 @@ class TakenCells {
 
   /// Different tiles may do so at the same time.
   void add(uint32_t cell);
-  /// Appends the taken cells around a cell, of its size, half and twice of it, and some farther
-  /// off.
+  /// Appends the taken cells around a cell, of its size, half and twice of it; of other sizes some
+  /// farther off, too.
   void findAround(uint32_t cell, std::vector<uint32_t>* cells) const;
 
  private:
@@ -31,6 +31,11 @@ class TakenCells {
     std::vector<uint32_t> numbers;  // in the crust
     std::vector<uint64_t> taken;    // by brick: a bit a cell
   };
+
+  /// Taken cells near one, given by its key at that level.
+  static void findNear(const Level& level, uint64_t key, std::vector<uint32_t>* cells);
+  /// Taken cells of another size around one, and some farther off.
+  void findWithin(std::size_t number, uint32_t cell, std::vector<uint32_t>* cells) const;
 
   const Crust& crust_;
   std::vector<Level> levels_;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ladar_perception/resample/tiles.h"
 
-#include <algorithm>
 #include <atomic>
 #include <thread>
 
@@ -41,9 +40,29 @@ Tiles::Tiles(const std::vector<uint64_t>& keys, int level) {
       ++tiles_[other].earlier;
     }
   }
-  for (uint64_t color = 0; color < 8; ++color) {
-    for (std::size_t i = 0; i < tile_keys.size(); ++i) {
-      if ((tile_keys[i] & 7) == color) order_.push_back(static_cast<uint32_t>(i));
+  orderTiles(tile_keys);
+}
+
+void Tiles::orderTiles(const std::vector<uint64_t>& tile_keys) {
+  // Cubes of 4^3 tiles, whose cells stay in the cache, colour by colour.
+  std::vector<std::vector<uint32_t>> earlier(tiles_.size());
+  for (uint32_t i = 0; i < tiles_.size(); ++i) {
+    for (const uint32_t later : tiles_[i].later) earlier[later].push_back(i);
+  }
+  std::vector<uint8_t> taken(tiles_.size(), 0);
+  // As deep as there are colours.
+  const std::function<void(uint32_t)> take = [&](uint32_t tile) {
+    if (taken[tile] != 0) return;
+    for (const uint32_t other : earlier[tile]) take(other);
+    taken[tile] = 1;
+    order_.push_back(tile);
+  };
+  for (std::size_t first = 0, end = 0; first < tile_keys.size(); first = end) {
+    while (end < tile_keys.size() && tile_keys[end] >> 6 == tile_keys[first] >> 6) ++end;
+    for (uint64_t color = 0; color < 8; ++color) {
+      for (std::size_t i = first; i < end; ++i) {
+        if ((tile_keys[i] & 7) == color) take(static_cast<uint32_t>(i));
+      }
     }
   }
 }
@@ -53,31 +72,19 @@ void Tiles::run(ThreadPool* pool, const std::function<void(int, std::size_t)>& w
     for (const uint32_t tile : order_) work(0, tile);
     return;
   }
-  // A tile is queued when the last one it waits for is done: no thread waits for a whole colour.
   std::vector<std::atomic<uint32_t>> waiting(tiles_.size());
-  std::vector<std::atomic<uint32_t>> queue(tiles_.size());
-  std::atomic<std::size_t> head{0};
-  std::atomic<std::size_t> tail{0};
-  for (std::size_t i = 0; i < tiles_.size(); ++i) {
-    waiting[i] = tiles_[i].earlier;
-    queue[i] = kNoIndex;
-  }
-  for (const uint32_t tile : order_) {
-    if (tiles_[tile].earlier == 0) queue[tail.fetch_add(1)] = tile;
-  }
+  for (std::size_t i = 0; i < tiles_.size(); ++i) waiting[i] = tiles_[i].earlier;
+  std::atomic<std::size_t> next{0};
   pool->run([&](int thread) {
     for (;;) {
-      const std::size_t place = head.fetch_add(1);
-      if (place >= tiles_.size()) return;
-      uint32_t tile = kNoIndex;
-      while ((tile = queue[place].load(std::memory_order_acquire)) == kNoIndex) {
-        std::this_thread::yield();
-      }
+      const std::size_t place = next.fetch_add(1);
+      if (place >= order_.size()) return;
+      const uint32_t tile = order_[place];
+      // What it waits for comes before it in the order, and has been begun.
+      while (waiting[tile].load(std::memory_order_acquire) > 0) std::this_thread::yield();
       work(thread, tile);
       for (const uint32_t later : tiles_[tile].later) {
-        if (waiting[later].fetch_sub(1, std::memory_order_acq_rel) == 1) {
-          queue[tail.fetch_add(1)].store(later, std::memory_order_release);
-        }
+        waiting[later].fetch_sub(1, std::memory_order_acq_rel);
       }
     }
   });

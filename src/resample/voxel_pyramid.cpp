@@ -31,6 +31,7 @@ VoxelLevel groupPoints(const GridPoints& points, const std::vector<float>& weigh
   level.first_point = level.first_child;
   level.first_point.push_back(static_cast<uint32_t>(points.size()));
   level.grid.assign(std::move(keys));
+  level.grid.linkBricks();
   return level;
 }
 
@@ -56,6 +57,7 @@ VoxelLevel groupVoxels(const VoxelLevel& below, int below_level) {
   }
   level.first_point.push_back(below.first_point.back());
   level.grid.assign(std::move(keys));
+  level.grid.linkBricks();
   return level;
 }
 

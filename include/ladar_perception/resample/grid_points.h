@@ -59,9 +59,4 @@ GridPoints sortIntoGrid(const std::vector<Eigen::Vector3d>& positions_m, const G
 /// The origin for a cloud: its least corner, or around its median where the extent is out of reach.
 Eigen::Vector3d gridOrigin(const std::vector<Eigen::Vector3d>& positions_m, double cell_m);
 
-/// Area of the surface that points lie on, m^2, each point's share times its weight (all 1 if
-/// `weights` is empty; by source). Every point stands for its part of the least cube, of 2^l cells,
-/// that holds four points.
-double estimateArea(const GridPoints& points, const std::vector<float>& weights);
-
 }  // namespace ladar_perception

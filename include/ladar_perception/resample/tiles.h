@@ -32,8 +32,10 @@ class Tiles {
   void run(ThreadPool* pool, const std::function<void(int, std::size_t)>& work) const;
 
  private:
+  void orderTiles(const std::vector<uint64_t>& tile_keys);
+
   std::vector<Tile> tiles_;
-  std::vector<uint32_t> order_;  // by colour
+  std::vector<uint32_t> order_;  // every tile after those it waits for, and near the one before
 };
 
 }  // namespace ladar_perception
