@@ -97,8 +97,8 @@ class TileGrid {
     // Along a row of columns the ellipse is s^2 + t^2 <= 1 with s and t linear in ru.
     const float square = columns.s_u * columns.s_u + columns.t_u * columns.t_u;
     const float by_square = 1.0F / square;
-    const int u_least = corner_[u];
-    const int u_most = corner_[u] + kEdge - 1;
+    const int u_least = std::max(range.low[u], corner_[u]);
+    const int u_most = std::min(range.high[u], corner_[u] + kEdge - 1);
     const int v_end = std::min(range.high[v], corner_[v] + kEdge - 1);
     for (int cv = std::max(range.low[v], corner_[v]); cv <= v_end; ++cv) {
       const float rv = static_cast<float>(cv) + base_v;
@@ -111,7 +111,7 @@ class TileGrid {
       const int u_begin = std::max(-floorToInt(base_u - (middle - half)), u_least);
       const int u_end = std::min(floorToInt(middle + half - base_u), u_most);
       const float height = c[static_cast<int>(columns.axis)] + columns.height_v * rv;
-      int column = (u_begin - u_least) * kStrides[u] + (cv - corner_[v]) * kStrides[v];
+      int column = (u_begin - corner_[u]) * kStrides[u] + (cv - corner_[v]) * kStrides[v];
       for (int cu = u_begin; cu <= u_end; ++cu, column += kStrides[u]) {
         const float ru = static_cast<float>(cu) + base_u;
         const float off = ru - middle;
@@ -264,10 +264,16 @@ CellRange cellsOf(const SurfaceFit& piece, float edge) {
                                    .sqrt() /
                                edge;
   const Eigen::Vector3f center = piece.center / edge;
+  int main_axis = 0;
+  piece.normal.cwiseAbs().maxCoeff(&main_axis);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<int>(axis);
     range.low[axis] = floorToInt(center[a] - half[a] - kBorder);
     range.high[axis] = floorToInt(center[a] + half[a] + kBorder);
+    if (a == main_axis) continue;
+    // Columns have their middles inside the ends.
+    range.low[axis] = std::max(range.low[axis], -floorToInt(0.5F - piece.low[a] / edge));
+    range.high[axis] = std::min(range.high[axis], floorToInt(piece.high[a] / edge - 0.5F));
   }
   return range;
 }

@@ -11,17 +11,6 @@
 namespace ladar_perception {
 namespace {
 
-/// Which of the 27 steps (x fastest) it is from a cell of a brick to one of a brick around it.
-constexpr uint32_t stepBetween(uint64_t from, uint32_t direction, uint64_t to) {
-  const auto d = static_cast<int>(direction);
-  const auto steps = [](uint32_t a, int side, uint32_t b) {
-    return static_cast<int>(b) + 4 * side - static_cast<int>(a) + 1;
-  };
-  return static_cast<uint32_t>(steps(morton::x(from), d % 3 - 1, morton::x(to)) +
-                               3 * steps(morton::y(from), d / 3 % 3 - 1, morton::y(to)) +
-                               9 * steps(morton::z(from), d / 9 - 1, morton::z(to)));
-}
-
 struct Place {
   uint64_t key;  // of level 0
   uint32_t level;
@@ -121,8 +110,7 @@ class Linker {
       grid.visitNear<1>(brick, bit, [&](uint32_t other, uint32_t direction, int other_bit) {
         run->neighbors[size] = numbers[other];
         size += other != cell ? 1 : 0;
-        if (larger) met |= uint32_t{1} << stepBetween(static_cast<uint64_t>(bit), direction,
-                                                      static_cast<uint64_t>(other_bit));
+        if (larger) met |= uint32_t{1} << stepBetween(bit, direction, other_bit);
       });
       run->counts.push_back(static_cast<uint8_t>(size - before));
       if (larger) linkAbove(level, cell, met, run);

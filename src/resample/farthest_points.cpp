@@ -206,7 +206,7 @@ class Chooser {
   void fillTile(float radius, int thread, std::size_t i) {
     const Tiles::Tile& tile = tiles_.tile(i);
     for (uint32_t cell = tile.first; cell < tile.end; ++cell) {
-      if (field_->arrivals[cell].time + slack_[cell] < radius || bounds_[cell] < radius) continue;
+      if (std::min(field_->arrivals[cell].time + slack_[cell], bounds_[cell]) < radius) continue;
       if (!isLatest(*field_, cell)) continue;
       const VoronoiVertex vertex = findVertex(*field_, cell);
       bounds_[cell] = vertex.time;

@@ -36,7 +36,7 @@ constexpr float kSightWidth = 0.8F;
 
 float straight(const FrontField::Node& node, const FrontSource& source, Eigen::Vector3f* d) {
   *d = node.position() - source.position;
-  return d->norm() * 0.5F * (node.slowness + source.slowness);
+  return std::sqrt(d->squaredNorm()) * 0.5F * (node.slowness + source.slowness);
 }
 
 /// Distance from the virtual source of a front that has gone r_a and r_b to two places `ab` apart,
@@ -225,6 +225,30 @@ FrontSource Fronts<Metric>::sourceOf(uint32_t sample) const {
           field_->nodes[sample].slowness};
 }
 
+template <>
+void Fronts<Flood>::run(const FrontSource& source) {
+  const Crust& crust = *field_->crust;
+  std::size_t size = queue_.size();
+  for (std::size_t head = 0; head < size; ++head) {
+    const uint32_t from = queue_[head];
+    const uint32_t end = crust.first_neighbor[from + 1];
+    const std::size_t most = size + end - crust.first_neighbor[from];
+    if (queue_.size() < most) queue_.resize(2 * most);
+    for (uint32_t k = crust.first_neighbor[from]; k < end; ++k) {
+      const uint32_t to = crust.neighbors[k];
+      Eigen::Vector3f d;
+      const float time = straight(field_->nodes[to], source, &d);
+      // Whether the front is sooner cannot be foreseen (in its own cells it is not), hence no branch.
+      FrontField::Arrival& known = field_->arrivals[to];
+      const uint32_t sooner = time < known.time ? 1 : 0;
+      queue_[size] = to;
+      size += sooner;
+      known.time = std::min(time, known.time);
+      known.owner ^= (known.owner ^ source.cell) & (0U - sooner);
+    }
+  }
+}
+
 template <typename Metric>
 void Fronts<Metric>::run(const FrontSource& source) {
   const Crust& crust = *field_->crust;
@@ -237,7 +261,7 @@ void Fronts<Metric>::run(const FrontSource& source) {
       const uint32_t to = crust.neighbors[k];
       const FrontField::Arrival& known = field_->arrivals[to];
       const bool own = known.owner == source.cell;
-      if (own && (Metric::kOneVisit || known.time <= field_->arrivals[from].time)) continue;
+      if (own && known.time <= field_->arrivals[from].time) continue;
       bool in_sight = false;
       const float time = Metric::arrive(*field_, source, from, to, &in_sight);
       // A least gain, so that rounding cannot send cells around in circles.

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "ladar_perception/resample/morton.h"
@@ -20,6 +21,8 @@ constexpr float kSemiAxisPerDeviation = 2.0F;
 constexpr float kLargestSemiAxis = 1.5F;
 constexpr float kCoarseSemiAxisPerDeviation = 1.5F;
 constexpr float kLargestCoarseSemiAxis = 1.15F;
+// Coarse pieces end so much of a voxel beyond the own one where the next has a piece.
+constexpr float kOverlap = 0.1F;
 // Narrower pieces could slip through between the centres of cells.
 constexpr float kLeastSemiAxis = 0.75F;
 // Points are on a line if the second eigenvalue is below this part of the first.
@@ -112,10 +115,53 @@ class Fitter {
         }
       }
     });
+    if (level > base_) boundPieces(voxels.grid, level, fates, &fits);
     for (std::size_t i = 0; i < fits.size(); ++i) {
-      if (fates[i] == Fate::kSurface || fates[i] == Fate::kBridge) fits_.push_back(fits[i]);
+      if (isPiece(fates[i])) fits_.push_back(fits[i]);
     }
     found_.push_back(std::move(fits));
+  }
+
+  static bool isPiece(Fate fate) { return fate == Fate::kSurface || fate == Fate::kBridge; }
+
+  /// Ends pieces where the next voxel has one.
+  void boundPieces(const SparseGrid& grid, int level, const std::vector<Fate>& fates,
+                   std::vector<SurfaceFit>* fits) const {
+    parallelFor(pool_, grid.bricks().size(), 256, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t brick = begin; brick < end; ++brick) {
+        uint32_t voxel = grid.bricks()[brick].first;
+        for (uint64_t mask = grid.bricks()[brick].mask; mask != 0; mask &= mask - 1, ++voxel) {
+          if (!isPiece(fates[voxel])) continue;
+          const int bit = __builtin_ctzll(mask);
+          uint32_t met = 0;
+          grid.visitNear<1>(brick, bit, [&](uint32_t other, uint32_t direction, int other_bit) {
+            if (isPiece(fates[other])) met |= uint32_t{1} << stepBetween(bit, direction, other_bit);
+          });
+          const float edge = static_cast<float>(1 << level);
+          boundPiece(cubeCenter(grid.keys()[voxel], level), (0.5F + kOverlap) * edge, met,
+                     &(*fits)[voxel]);
+        }
+      }
+    });
+  }
+
+  /// `met`: the steps to voxels around that have pieces.
+  static void boundPiece(const Eigen::Vector3f& middle, float half, uint32_t met,
+                         SurfaceFit* piece) {
+    // Of the 27 steps those to the voxels on one side, in the middle across but at any height.
+    constexpr std::array<int, 3> kStride = {1, 3, 9};
+    int main_axis = 0;
+    piece->normal.cwiseAbs().maxCoeff(&main_axis);
+    const uint32_t column = uint32_t{1} | uint32_t{1} << kStride[main_axis] |
+                            uint32_t{1} << 2 * kStride[main_axis];
+    for (int axis = 0; axis < 3; ++axis) {
+      if (axis == main_axis) continue;
+      const int across = 3 - axis - main_axis;
+      const uint32_t low = column << kStride[across];
+      const uint32_t high = low << 2 * kStride[axis];
+      if ((met & low) != 0) piece->low[axis] = middle[axis] - half;
+      if ((met & high) != 0) piece->high[axis] = middle[axis] + half;
+    }
   }
 
   Fate fit(const PointSums& sums, const Eigen::Vector3f& brick_center, int level,
@@ -210,10 +256,18 @@ class BrickSums {
                      [](uint8_t flag) { return flag != 0; })) {
       return;
     }
-    level_.grid.gather(brick, &block_);
-    gatherSums();
-    uint64_t mask = here.mask;
-    for (uint32_t i = here.first; i < end; ++i, mask &= mask - 1) {
+    dispatch([&]() LADAR_INLINE_LAMBDA { addAround(brick, thin_out, wanted, out); });
+  }
+
+ private:
+  static constexpr int kRow = SparseGrid::kBlockEdge;
+  static constexpr int kLayer = kRow * kRow;
+
+  LADAR_INLINE void addAround(std::size_t brick, bool thin_out, std::vector<uint8_t>* wanted,
+                              std::vector<PointSums>* out) {
+    gatherSums(brick);
+    uint32_t i = level_.grid.bricks()[brick].first;
+    for (uint64_t mask = level_.grid.bricks()[brick].mask; mask != 0; mask &= mask - 1, ++i) {
       if ((*wanted)[i] == 0) continue;
       const auto bit = static_cast<uint64_t>(__builtin_ctzll(mask));
       const auto x = static_cast<int>(morton::x(bit));
@@ -228,48 +282,42 @@ class BrickSums {
     }
   }
 
- private:
-  static constexpr int kRow = SparseGrid::kBlockEdge;
-  static constexpr int kLayer = kRow * kRow;
-
-  /// The voxels of the block side by side, all about this brick's centre.
-  void gatherSums() {
-    sums_.clear();
-    std::size_t place = 0;
-    const auto bricksOff = [this](int at) {
-      return at == 0 ? -brick_edge_ : at == kRow - 1 ? brick_edge_ : 0.0F;
-    };
-    for (int z = 0; z < kRow; ++z) {
-      for (int y = 0; y < kRow; ++y) {
-        for (int x = 0; x < kRow; ++x, ++place) {
-          const uint32_t i = block_[place];
-          if (i == kNoIndex) continue;
-          places_[place] = static_cast<uint8_t>(sums_.size());
-          const Eigen::Vector3f offset(bricksOff(x), bricksOff(y), bricksOff(z));
-          sums_.push_back(offset.isZero(0.0F) ? level_.sums[i] : level_.sums[i].movedBy(offset));
-        }
-      }
-    }
+  /// The voxels of the block one after the other, all about this brick's centre; the first has no
+  /// points, and stands for all that are not there.
+  LADAR_INLINE void gatherSums(std::size_t brick) {
+    places_.fill(0);
+    std::size_t size = 1;
+    level_.grid.visitBlock(brick, [&](uint32_t voxel, int place, uint32_t direction) {
+      places_[static_cast<std::size_t>(place)] = static_cast<uint8_t>(size);
+      numbers_[size] = voxel;
+      const auto d = static_cast<int>(direction);
+      sums_[size++] = direction == 13
+                          ? level_.sums[voxel]
+                          : level_.sums[voxel].movedBy(
+                                brick_edge_ * Eigen::Vector3f(static_cast<float>(d % 3 - 1),
+                                                              static_cast<float>(d / 3 % 3 - 1),
+                                                              static_cast<float>(d / 9 - 1)));
+    });
   }
 
   /// Of an odd voxel: whether four of its sides, which are even and never left out, are wanted.
-  bool isCovered(int place, const std::vector<uint8_t>& wanted) const {
+  LADAR_INLINE bool isCovered(int place, const std::vector<uint8_t>& wanted) const {
     constexpr int kSidesEnough = 4;
     int sides = 0;
     for (const int step : {-1, 1, -kRow, kRow, -kLayer, kLayer}) {
-      const uint32_t other = block_[static_cast<std::size_t>(place + step)];
-      sides += other != kNoIndex && wanted[other] != 0 ? 1 : 0;
+      const uint8_t other = places_[static_cast<std::size_t>(place + step)];
+      sides += other != 0 && wanted[numbers_[other]] != 0 ? 1 : 0;
     }
     return sides >= kSidesEnough;
   }
 
-  PointSums around(int place) const {
+  LADAR_INLINE PointSums around(int place) const {
     PointSums sum;
+    // Adding nothing is quicker than asking whether there is something.
     for (int layer = place - kLayer; layer <= place + kLayer; layer += kLayer) {
       for (int row = layer - kRow; row <= layer + kRow; row += kRow) {
         for (int at = row - 1; at <= row + 1; ++at) {
-          const auto n = static_cast<std::size_t>(at);
-          if (block_[n] != kNoIndex) sum.add(sums_[places_[n]]);
+          sum.add(sums_[places_[static_cast<std::size_t>(at)]]);
         }
       }
     }
@@ -278,9 +326,9 @@ class BrickSums {
 
   const VoxelLevel& level_;
   float brick_edge_;
-  SparseGrid::Block block_;
   std::array<uint8_t, SparseGrid::kBlockCells> places_;
-  std::vector<PointSums> sums_;
+  std::array<PointSums, SparseGrid::kBlockCells + 1> sums_;
+  std::array<uint32_t, SparseGrid::kBlockCells + 1> numbers_;
 };
 
 }  // namespace

@@ -63,40 +63,6 @@ VoxelLevel groupVoxels(const VoxelLevel& below, int below_level) {
 
 }  // namespace
 
-void PointSums::add(const Eigen::Vector3f& p, float point_weight) {
-  count += 1.0F;
-  x += p.x();
-  y += p.y();
-  z += p.z();
-  xx += p.x() * p.x();
-  xy += p.x() * p.y();
-  xz += p.x() * p.z();
-  yy += p.y() * p.y();
-  yz += p.y() * p.z();
-  zz += p.z() * p.z();
-  weight += point_weight;
-}
-
-void PointSums::add(const PointSums& other) {
-  float* to = &count;
-  const float* from = &other.count;
-  for (int i = 0; i < 12; ++i) to[i] += from[i];
-}
-
-PointSums PointSums::movedBy(const Eigen::Vector3f& o) const {
-  PointSums moved = *this;
-  moved.x += count * o.x();
-  moved.y += count * o.y();
-  moved.z += count * o.z();
-  moved.xx += o.x() * (x + moved.x);
-  moved.xy += o.x() * y + o.y() * moved.x;
-  moved.xz += o.x() * z + o.z() * moved.x;
-  moved.yy += o.y() * (y + moved.y);
-  moved.yz += o.y() * z + o.z() * moved.y;
-  moved.zz += o.z() * (z + moved.z);
-  return moved;
-}
-
 VoxelPyramid::VoxelPyramid(const GridPoints& points, const std::vector<float>& weights,
                            int levels) {
   levels_.push_back(groupPoints(points, weights));

@@ -48,7 +48,6 @@ struct FrontSource {
 /// Straight distance times the mean slowness of both ends. Cells are entered through neighbours, so
 /// that fronts stay on their surface, but the way is not measured along it.
 struct Flood {
-  static constexpr bool kOneVisit = true;  ///< a cell's time does not depend on the way
   static float arrive(const FrontField& field, const FrontSource& source, uint32_t from,
                       uint32_t cell, bool* in_sight);
 };
@@ -65,7 +64,6 @@ struct Flood {
 /// Errors at even slowness: see kArrivalError. Behind a hole in the crust fronts come up to 9 %
 /// early (sight reaches a bit around its rim), at uneven slowness within 3 %.
 struct FastMarching {
-  static constexpr bool kOneVisit = false;
   static float arrive(const FrontField& field, const FrontSource& source, uint32_t from,
                       uint32_t cell, bool* in_sight);
 };
@@ -97,6 +95,10 @@ class Fronts {
   FrontField* field_;
   std::vector<uint32_t> queue_;
 };
+
+/// A cell's time does not depend on the way, so that it need not be visited again.
+template <>
+void Fronts<Flood>::run(const FrontSource& source);
 
 extern template class Fronts<Flood>;
 extern template class Fronts<FastMarching>;

@@ -51,15 +51,52 @@ struct NearCells {
 template <int kReach>
 inline constexpr NearCells<kReach> kNearCells;
 
+/// Cells of a brick that touch the brick in each of 27 directions: a side, an edge or a corner.
+constexpr std::array<uint64_t, 27> brickSides() {
+  std::array<uint64_t, 27> masks{};
+  for (uint64_t bit = 0; bit < 64; ++bit) {
+    const std::array<uint32_t, 3> cell = {morton::x(bit), morton::y(bit), morton::z(bit)};
+    for (std::size_t direction = 0; direction < 27; ++direction) {
+      const std::array<std::size_t, 3> side = {direction % 3, direction / 3 % 3, direction / 9};
+      bool touches = true;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        touches = touches && (side[axis] == 1 || cell[axis] == (side[axis] == 0 ? 0U : 3U));
+      }
+      if (touches) masks[direction] |= uint64_t{1} << bit;
+    }
+  }
+  return masks;
+}
+inline constexpr std::array<uint64_t, 27> kBrickSides = brickSides();
+
+/// x + 3 y + 9 z of the cell at every bit of a brick.
+constexpr std::array<int8_t, 64> ninthsOfBits() {
+  std::array<int8_t, 64> ninths{};
+  for (uint64_t bit = 0; bit < 64; ++bit) {
+    ninths[bit] =
+        static_cast<int8_t>(morton::x(bit) + 3 * morton::y(bit) + 9 * morton::z(bit));
+  }
+  return ninths;
+}
+inline constexpr std::array<int8_t, 64> kNinths = ninthsOfBits();
+
+/// Which of the 27 steps (x fastest, 13 none) it is from a cell of a brick to one of a brick around
+/// it, told by their bits.
+LADAR_INLINE constexpr uint32_t stepBetween(int from_bit, uint32_t direction, int to_bit) {
+  // x + 3 y + 9 z is linear, and four steps on in the next brick.
+  return static_cast<uint32_t>(13 + 4 * (static_cast<int>(direction) - 13) +
+                               kNinths[static_cast<std::size_t>(to_bit)] -
+                               kNinths[static_cast<std::size_t>(from_bit)]);
+}
+
 /// A set of grid cells, numbered in the order of their Morton keys and kept as bricks of 4^3: a bit
 /// per cell, so that a cell's number is the brick's first plus the bits below.
 class SparseGrid {
  public:
-  static constexpr int kBlockEdge = 6;  ///< of a brick with one cell around it
+  static constexpr int kBlockEdge = 6;
   static constexpr int kBlockCells = kBlockEdge * kBlockEdge * kBlockEdge;
-  /// Numbers of the cells of a brick and around it, kNoIndex where there is none.
-  using Block = std::array<uint32_t, kBlockCells>;
-  /// Place in a block of the cell (x, y, z), each in [-1, 4].
+  /// Place in a block of 6^3 cells, a brick and one cell around it, of the cell (x, y, z), each in
+  /// [-1, 4].
   static constexpr int blockIndex(int x, int y, int z) {
     return ((z + 1) * kBlockEdge + y + 1) * kBlockEdge + x + 1;
   }
@@ -117,11 +154,38 @@ class SparseGrid {
       }
     }
   }
-  /// The cells of a brick and around it, there only next to the brick's own cells.
-  void gather(std::size_t brick, Block* block) const;
+  /// Calls visit(number, place in the block, direction of its brick) for the cells of a brick and
+  /// those around it, there only next to the brick's own cells.
+  template <typename Visit>
+  LADAR_INLINE void visitBlock(std::size_t brick, const Visit& visit) const {
+    for (uint32_t direction = 0; direction < 27; ++direction) {
+      const uint32_t near = around_[brick][direction];
+      // Of the brick on side d only the cells on its side -d are around those here, on side d.
+      if (near == kNoIndex || (bricks_[brick].mask & kBrickSides[direction]) == 0) continue;
+      const Brick& other = bricks_[near];
+      const auto d = static_cast<int>(direction);
+      const int shift = 4 * (d % 3 - 1 + kBlockEdge * (d / 3 % 3 - 1 + kBlockEdge * (d / 9 - 1)));
+      for (uint64_t mask = other.mask & kBrickSides[26 - direction]; mask != 0; mask &= mask - 1) {
+        const auto bit = static_cast<std::size_t>(__builtin_ctzll(mask));
+        const uint64_t below = (mask & (~mask + 1)) - 1;
+        visit(other.first + static_cast<uint32_t>(__builtin_popcountll(other.mask & below)),
+              kBlockPlaces[bit] + shift, direction);
+      }
+    }
+  }
 
  private:
-  void gatherInto(std::size_t brick, Block* block) const;
+  void findBricksAround();
+  static constexpr std::array<int, 64> blockPlaces() {
+    std::array<int, 64> places{};
+    for (uint64_t bit = 0; bit < 64; ++bit) {
+      places[bit] =
+          blockIndex(static_cast<int>(morton::x(bit)), static_cast<int>(morton::y(bit)),
+                     static_cast<int>(morton::z(bit)));
+    }
+    return places;
+  }
+  static const std::array<int, 64> kBlockPlaces;  // by bit
   static uint32_t cellOf(const Brick& brick, int bit) {
     const uint64_t below = (uint64_t{1} << bit) - 1;
     return brick.mask >> bit & 1
@@ -139,5 +203,7 @@ class SparseGrid {
   uint64_t slot_mask_ = 1;
   int slot_shift_ = 63;
 };
+
+inline constexpr std::array<int, 64> SparseGrid::kBlockPlaces = SparseGrid::blockPlaces();
 
 }  // namespace ladar_perception

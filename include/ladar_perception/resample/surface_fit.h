@@ -19,6 +19,12 @@ struct SurfaceFit {
   float semi_minor = 0;
   float trust = 1;   ///< weight where pieces overlap: coarse ones give way to fine ones
   float weight = 1;  ///< mean of the points' weights
+  /// Ends of the piece, of which the two across the main axis of the normal count: where the next
+  /// voxel has a piece of its own, pieces overlap a little only.
+  Eigen::Vector3f low = Eigen::Vector3f::Constant(-kUnbounded);
+  Eigen::Vector3f high = Eigen::Vector3f::Constant(kUnbounded);
+
+  static constexpr float kUnbounded = 1e9F;
 };
 
 /// Eigenvalues and the plane of summed points.

@@ -6,6 +6,7 @@
 
 #include "ladar_perception/resample/grid_points.h"
 #include "ladar_perception/resample/sparse_grid.h"
+#include "ladar_perception/util/dispatch.h"
 #include "ladar_perception/util/thread_pool.h"
 
 namespace ladar_perception {
@@ -16,11 +17,47 @@ struct alignas(16) PointSums {
   float xx = 0, xy = 0, xz = 0, yy = 0;
   float yz = 0, zz = 0, weight = 0, unused = 0;
 
-  void add(const Eigen::Vector3f& p, float point_weight);
-  void add(const PointSums& other);
+  LADAR_INLINE void add(const Eigen::Vector3f& p, float point_weight);
+  LADAR_INLINE void add(const PointSums& other);
   /// The same sums about a centre that lies at -`offset` from the one they are about.
-  PointSums movedBy(const Eigen::Vector3f& offset) const;
+  LADAR_INLINE PointSums movedBy(const Eigen::Vector3f& offset) const;
 };
+
+inline void PointSums::add(const Eigen::Vector3f& p, float point_weight) {
+  count += 1.0F;
+  x += p.x();
+  y += p.y();
+  z += p.z();
+  xx += p.x() * p.x();
+  xy += p.x() * p.y();
+  xz += p.x() * p.z();
+  yy += p.y() * p.y();
+  yz += p.y() * p.z();
+  zz += p.z() * p.z();
+  weight += point_weight;
+}
+
+inline void PointSums::add(const PointSums& other) {
+  using Part = Eigen::Map<Eigen::Array4f, Eigen::Aligned16>;
+  using OtherPart = Eigen::Map<const Eigen::Array4f, Eigen::Aligned16>;
+  Part(&count) += OtherPart(&other.count);
+  Part(&xx) += OtherPart(&other.xx);
+  Part(&yz) += OtherPart(&other.yz);
+}
+
+inline PointSums PointSums::movedBy(const Eigen::Vector3f& o) const {
+  PointSums moved = *this;
+  moved.x += count * o.x();
+  moved.y += count * o.y();
+  moved.z += count * o.z();
+  moved.xx += o.x() * (x + moved.x);
+  moved.xy += o.x() * y + o.y() * moved.x;
+  moved.xz += o.x() * z + o.z() * moved.x;
+  moved.yy += o.y() * (y + moved.y);
+  moved.yz += o.y() * z + o.z() * moved.y;
+  moved.zz += o.z() * (z + moved.z);
+  return moved;
+}
 
 /// One size of voxel: edge 2^level cells.
 struct VoxelLevel {
