@@ -16,10 +16,12 @@ namespace ladar_perception {
 namespace {
 
 // The radius falls by this from round to round; the last ones, by a smaller step, decide on places.
-constexpr float kFirstStep = 0.8F;
-constexpr float kLastStep = 0.9F;
-constexpr int kPasses = 2;           // over every tile in a round
-constexpr float kLastRounds = 0.4F;  // of the first radius
+// Vertices that others near them, which are later, keep back have their turn in the next round.
+constexpr float kFirstStep = 0.7F;
+constexpr float kLastStep = 0.86F;
+constexpr float kLastRounds = 0.35F;  // of the first radius
+// The last round goes so far beyond the radius at which the count is expected.
+constexpr float kBeyondCount = 0.96F;
 // Vertices lie up to half a cell from the cells around them, whose times are less by as much.
 constexpr float kVertexSlack = 0.6F;
 // Samples on two sheets of the surface this many cells apart are too near to each other; sheets
@@ -93,8 +95,7 @@ class Chooser {
     orderStart();
     float radius = goal_.first_radius;
     while (!done(radius)) {
-      const bool first = radius * kFirstStep > kLastRounds * goal_.first_radius;
-      radius = std::max(radius * (first ? kFirstStep : kLastStep), goal_.radius);
+      radius = nextRadius(radius);
       fillRound(radius);
     }
     set_.radius_reached = std::max(latest(), left_out_);
@@ -113,9 +114,21 @@ class Chooser {
     bounds_[cell] = 0.0F;  // never again
   }
 
+  float nextRadius(float radius) const {
+    const bool first = radius * kFirstStep > kLastRounds * goal_.first_radius;
+    float next = radius * (first ? kFirstStep : kLastStep);
+    if (goal_.count > 0) {
+      // On a surface the count grows as radius^-2; vertices that a round chooses in vain cost time.
+      const float filled = static_cast<float>(set_.size()) / static_cast<float>(goal_.count);
+      next = std::max(next, std::min(radius * std::sqrt(filled), radius) * kBeyondCount);
+    }
+    return std::max(next, goal_.radius);
+  }
+
   bool done(float radius) const {
     if (goal_.count > 0 && set_.size() >= goal_.count) return true;
-    if (goal_.radius > 0 && radius <= goal_.radius) return true;
+    // At the last radius there are rounds until none finds a vertex.
+    if (goal_.radius > 0 && radius <= goal_.radius && added_ == 0) return true;
     return radius < kLeastRadius || std::chrono::steady_clock::now() >= goal_.deadline;
   }
 
@@ -127,7 +140,7 @@ class Chooser {
         const uint32_t cell = tile.first + order.next();
         if (field_->arrivals[cell].time < goal_.first_radius) continue;
         const Eigen::Vector3f& place = field_->crust->positions[cell];
-        if (isNearAnother(thread, goal_.first_radius, cell, place)) continue;
+        if (timeOfOthers(thread, goal_.first_radius, cell, place) < goal_.first_radius) continue;
         insert(&fronts_[static_cast<std::size_t>(thread)], cell, place);
         chosen_[i].push_back({cell, goal_.first_radius});
       }
@@ -177,15 +190,13 @@ class Chooser {
   void fillRound(float radius) {
     tiles_.run(pool_, [&](int thread, std::size_t i) {
       chosen_[i].clear();
-      // Once more for vertices that others near them, which were later, had kept back.
-      for (int pass = 0; pass < kPasses; ++pass) {
-        fillTile(radius, thread, i);
-      }
+      fillTile(radius, thread, i);
     });
     std::vector<Choice> choices;
     for (const std::vector<Choice>& of_tile : chosen_) {
       choices.insert(choices.end(), of_tile.begin(), of_tile.end());
     }
+    added_ = choices.size();
     std::sort(choices.begin(), choices.end(), [](const Choice& a, const Choice& b) {
       return a.time != b.time ? a.time > b.time : a.cell < b.cell;
     });
@@ -211,20 +222,21 @@ class Chooser {
       const VoronoiVertex vertex = findVertex(*field_, cell);
       bounds_[cell] = vertex.time;
       if (vertex.time < radius) continue;
-      if (isNearAnother(thread, radius, cell, vertex.position)) continue;
+      const float others = timeOfOthers(thread, radius, cell, vertex.position);
+      if (others < radius) continue;
       insert(&fronts_[static_cast<std::size_t>(thread)], cell, vertex.position);
-      chosen_[i].push_back({cell, vertex.time});
+      chosen_[i].push_back({cell, std::min(vertex.time, others)});
     }
   }
 
-  /// Whether a sample is nearer to a place in a cell than `radius` whose front has not come there:
-  /// where cells are few, or on a sheet of the surface so near that samples on both would be too
-  /// near to each other. Then its front enters the cell.
-  bool isNearAnother(int thread, float radius, uint32_t cell, const Eigen::Vector3f& place) {
+  /// The least time from a sample near a place in a cell to it, in a straight line: its front may
+  /// not have come there, where cells are few, or on a sheet of the surface so near that samples on
+  /// both would be too near to each other. If the time is less than `radius`, it enters the cell.
+  float timeOfOthers(int thread, float radius, uint32_t cell, const Eigen::Vector3f& place) {
     const auto own = static_cast<std::size_t>(thread);
     std::vector<uint32_t>& around = around_[own];
     around.clear();
-    taken_.findAround(cell, &around);
+    taken_.findAround(cell, place, &around);
     const float reach = kSheetCells * field_->crust->edge(cell);
     Choice nearest = {kNoIndex, std::numeric_limits<float>::infinity()};
     for (const uint32_t near : around) {
@@ -234,10 +246,11 @@ class Chooser {
         nearest = {near, distance * slowness};
       }
     }
-    if (nearest.time >= radius) return false;
-    bounds_[cell] = nearest.time;
-    fronts_[own].enter(cell, nearest.cell);
-    return true;
+    if (nearest.time < radius) {
+      bounds_[cell] = nearest.time;
+      fronts_[own].enter(cell, nearest.cell);
+    }
+    return nearest.time;
   }
 
   float latest() const {
@@ -257,6 +270,7 @@ class Chooser {
   std::vector<Fronts<Metric>> fronts_;         // by thread
   std::vector<std::vector<uint32_t>> around_;  // by thread: cells with samples
   SampleSet set_;
+  std::size_t added_ = 1;  // by the last round
   float left_out_ = 0.0F;  // arrival time at the farthest place chosen but not taken
 };
 

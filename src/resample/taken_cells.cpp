@@ -45,9 +45,14 @@ void TakenCells::add(uint32_t cell) {
   level.taken[level.grid.findBrick(key >> 6)] |= uint64_t{1} << (key & 63);
 }
 
-void TakenCells::findAround(uint32_t cell, std::vector<uint32_t>* cells) const {
+void TakenCells::findAround(uint32_t cell, const Eigen::Vector3f& place,
+                            std::vector<uint32_t>* cells) const {
   const std::size_t own = crust_.levels[cell];
-  findNear(levels_[own], crust_.keys[cell] >> 3 * own, cells);
+  const Level& level = levels_[own];
+  // The place may lie in another cell, with the sample beyond it out of reach of this one.
+  uint64_t key = cellKey(place) >> 3 * own;
+  if (level.grid.findBrick(key >> 6) == kNoIndex) key = crust_.keys[cell] >> 3 * own;
+  findNear(level, key, cells);
   if (own > 0) findWithin(own - 1, cell, cells);
   if (own + 1 < levels_.size()) findWithin(own + 1, cell, cells);
 }
