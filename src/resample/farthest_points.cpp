@@ -177,13 +177,13 @@ class Chooser {
     for (std::size_t i = 0; i < size; ++i) {
       const uint32_t cell = cells[order.order[i]];
       set_.cells.push_back(cell);
-      set_.positions.push_back(field_->samples[cell]);
+      set_.positions.push_back(field_->samples[cell].position());
       set_.covering.push_back(order.covering[i]);
     }
   }
 
   WeightedPlace placeOf(uint32_t cell) const {
-    return {field_->samples[cell], field_->crust->slowness[cell]};
+    return {field_->samples[cell].position(), field_->samples[cell].slowness};
   }
 
   /// Puts samples at all vertices farther than `radius`; of the last round only the farthest count.
@@ -209,7 +209,7 @@ class Chooser {
         set_.covering.back() = std::min(set_.covering.back(), std::max(choice.time, radius));
       }
       set_.cells.push_back(choice.cell);
-      set_.positions.push_back(field_->samples[choice.cell]);
+      set_.positions.push_back(field_->samples[choice.cell].position());
       set_.covering.push_back(choice.time);
     }
   }
@@ -240,8 +240,9 @@ class Chooser {
     const float reach = kSheetCells * field_->crust->edge(cell);
     Choice nearest = {kNoIndex, std::numeric_limits<float>::infinity()};
     for (const uint32_t near : around) {
-      const float distance = (field_->samples[near] - place).norm();
-      const float slowness = 0.5F * (field_->nodes[cell].slowness + field_->nodes[near].slowness);
+      const FrontField::Node& sample = field_->samples[near];
+      const float distance = (sample.position() - place).norm();
+      const float slowness = 0.5F * (field_->nodes[cell].slowness + sample.slowness);
       if (distance < reach && distance * slowness < nearest.time) {
         nearest = {near, distance * slowness};
       }

@@ -200,7 +200,7 @@ void Fronts<Metric>::push(uint32_t cell, float time, uint32_t owner, bool in_sig
 
 template <typename Metric>
 void Fronts<Metric>::insert(uint32_t cell, const Eigen::Vector3f& position) {
-  field_->samples[cell] = position;
+  field_->samples[cell] = {position.x(), position.y(), position.z(), field_->nodes[cell].slowness};
   const FrontSource source = sourceOf(cell);
   queue_.clear();
   Eigen::Vector3f d;
@@ -221,30 +221,32 @@ void Fronts<Metric>::enter(uint32_t cell, uint32_t sample) {
 
 template <typename Metric>
 FrontSource Fronts<Metric>::sourceOf(uint32_t sample) const {
-  return {sample, field_->samples[sample], field_->crust->normals[sample],
-          field_->nodes[sample].slowness};
+  const FrontField::Node& node = field_->samples[sample];
+  return {sample, node.position(), field_->crust->normals[sample], node.slowness};
 }
 
 template <>
 void Fronts<Flood>::run(const FrontSource& source) {
   const Crust& crust = *field_->crust;
+  const FrontField::Node* nodes = field_->nodes.data();
+  FrontField::Arrival* arrivals = field_->arrivals.data();
+  const FrontSource front = source;
   std::size_t size = queue_.size();
   for (std::size_t head = 0; head < size; ++head) {
-    const uint32_t from = queue_[head];
-    const uint32_t end = crust.first_neighbor[from + 1];
-    const std::size_t most = size + end - crust.first_neighbor[from];
-    if (queue_.size() < most) queue_.resize(2 * most);
-    for (uint32_t k = crust.first_neighbor[from]; k < end; ++k) {
-      const uint32_t to = crust.neighbors[k];
+    const uint32_t first = crust.first_neighbor[queue_[head]];
+    const uint32_t end = crust.first_neighbor[queue_[head] + 1];
+    if (queue_.size() < size + end - first) queue_.resize(2 * (size + end - first));
+    uint32_t* queue = queue_.data();
+    for (const uint32_t* to = crust.neighbors.data() + first; to < crust.neighbors.data() + end; ++to) {
       Eigen::Vector3f d;
-      const float time = straight(field_->nodes[to], source, &d);
+      const float time = straight(nodes[*to], front, &d);
       // Whether the front is sooner cannot be foreseen (in its own cells it is not), hence no branch.
-      FrontField::Arrival& known = field_->arrivals[to];
+      FrontField::Arrival& known = arrivals[*to];
       const uint32_t sooner = time < known.time ? 1 : 0;
-      queue_[size] = to;
+      queue[size] = *to;
       size += sooner;
       known.time = std::min(time, known.time);
-      known.owner ^= (known.owner ^ source.cell) & (0U - sooner);
+      known.owner ^= (known.owner ^ front.cell) & (0U - sooner);
     }
   }
 }

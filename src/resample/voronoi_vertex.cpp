@@ -36,8 +36,7 @@ class NearOwners {
   }
 
   std::size_t size() const { return count_; }
-  const Eigen::Vector3f& sample(std::size_t i) const { return field_.samples[owners_[i]]; }
-  uint32_t cell(std::size_t i) const { return owners_[i]; }
+  const FrontField::Node& sample(std::size_t i) const { return field_.samples[owners_[i]]; }
 
  private:
   void add(uint32_t owner) {
@@ -46,7 +45,7 @@ class NearOwners {
       if (owners_[i] == owner) return;
     }
     owners_[count_] = owner;
-    distances2_[count_++] = (field_.samples[owner] - p_).squaredNorm();
+    distances2_[count_++] = (field_.samples[owner].position() - p_).squaredNorm();
   }
 
   const FrontField& field_;
@@ -94,8 +93,9 @@ VoronoiVertex findVertex(const FrontField& field, uint32_t cell) {
   if (owners.size() < 3) return vertex;
   const Eigen::Vector3f& normal = field.crust->normals[cell];
   Eigen::Vector3f offset;
-  if (!circumcenter({owners.sample(0) - vertex.position, owners.sample(1) - vertex.position,
-                     owners.sample(2) - vertex.position},
+  if (!circumcenter({owners.sample(0).position() - vertex.position,
+                     owners.sample(1).position() - vertex.position,
+                     owners.sample(2).position() - vertex.position},
                     normal, &offset)) {
     return vertex;
   }
@@ -105,8 +105,9 @@ VoronoiVertex findVertex(const FrontField& field, uint32_t cell) {
   const Eigen::Vector3f there = vertex.position + offset;
   float time = std::numeric_limits<float>::infinity();
   for (std::size_t i = 0; i < owners.size(); ++i) {
-    time = std::min(time, (owners.sample(i) - there).norm() * 0.5F *
-                              (node.slowness + field.nodes[owners.cell(i)].slowness));
+    const FrontField::Node& sample = owners.sample(i);
+    time = std::min(time, std::sqrt((sample.position() - there).squaredNorm()) * 0.5F *
+                              (node.slowness + sample.slowness));
   }
   if (time > vertex.time) vertex = {there, time};
   return vertex;

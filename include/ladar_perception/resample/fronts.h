@@ -16,7 +16,7 @@ namespace ladar_perception {
 struct FrontField {
   explicit FrontField(const Crust& crust_of_fronts);
 
-  /// Place and slowness of a cell, side by side because they are used together.
+  /// Place and slowness, side by side because they are used together.
   struct alignas(16) Node {
     float x, y, z, slowness;
     Eigen::Vector3f position() const { return {x, y, z}; }
@@ -33,8 +33,8 @@ struct FrontField {
   const Crust* crust;
   std::vector<Node> nodes;
   std::vector<Arrival> arrivals;
-  std::vector<Eigen::Vector3f> samples;  ///< place of the sample of a cell, where there is one
-  std::vector<uint8_t> in_sight;         ///< the front came straight from the sample (FastMarching)
+  std::vector<Node> samples;      ///< of the sample of a cell, where there is one
+  std::vector<uint8_t> in_sight;  ///< the front came straight from the sample (FastMarching)
 };
 
 /// A sample whose front is under way.
