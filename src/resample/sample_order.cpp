@@ -9,119 +9,156 @@
 namespace ladar_perception {
 namespace {
 
-constexpr std::size_t kBucket = 16;
 constexpr float kChosen = -1.0F;
+// Places of a bucket, and nodes below one: as many as are worked on at once.
+constexpr std::size_t kWidth = 16;
+using Row = Eigen::Array<float, kWidth, 1>;
 
-/// Distances of places to the chosen ones, in buckets with a box and the greatest of each.
+/// Squared distances of places to the chosen ones, in a tree of boxes with the greatest of each.
 class Buckets {
  public:
-  explicit Buckets(const std::vector<WeightedPlace>& places) : size_(places.size()) {
-    const std::size_t padded = (size_ + kBucket - 1) / kBucket * kBucket;
-    for (auto& axis : axes_) axis.assign(padded, 0.0F);
-    slowness_.assign(padded, 0.0F);
-    distances_.assign(padded, kChosen);
-    const std::size_t buckets = padded / kBucket;
-    while (leaves_ < buckets) leaves_ *= 2;
-    boxes_.resize(2 * leaves_);
-    tree_.assign(2 * leaves_, kChosen);
-    for (std::size_t i = 0; i < size_; ++i) {
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        axes_[axis][i] = places[i].position[static_cast<int>(axis)];
+  explicit Buckets(const std::vector<WeightedPlace>& places) {
+    makeRows(places);
+    for (std::size_t below = rows_.size(); levels_.empty() || below > 1;) {
+      levels_.emplace_back((below + kWidth - 1) / kWidth);
+      for (std::size_t i = 0; i < below; ++i) {
+        if (levels_.size() == 1) {
+          levels_[0].include(i, rows_[i]);
+        } else {
+          levels_.back().include(i, levels_[levels_.size() - 2].rows[i]);
+        }
       }
-      slowness_[i] = places[i].slowness;
-      distances_[i] = std::numeric_limits<float>::max();
-      boxes_[leaves_ + i / kBucket].include(places[i]);
-    }
-    for (std::size_t b = 0; b < buckets; ++b) tree_[leaves_ + b] = distances_[b * kBucket];
-    for (std::size_t node = leaves_ - 1; node > 0; --node) {
-      boxes_[node] = boxes_[2 * node];
-      boxes_[node].include(boxes_[2 * node + 1]);
-      update(node);
+      below = levels_.back().rows.size();
     }
   }
 
-  float greatest() const { return tree_[1]; }
+  /// 0 if all places are chosen.
+  float greatest() const {
+    return std::sqrt(std::max(levels_.back().rows[0].greatest.maxCoeff(), 0.0F));
+  }
 
   std::size_t farthest() const {
-    std::size_t node = 1;
-    while (node < leaves_) node = 2 * node + (tree_[2 * node + 1] > tree_[2 * node] ? 1 : 0);
-    const std::size_t first = (node - leaves_) * kBucket;
-    const auto begin = distances_.begin() + static_cast<std::ptrdiff_t>(first);
-    return first + static_cast<std::size_t>(std::max_element(begin, begin + kBucket) - begin);
+    std::size_t row = 0;
+    for (std::size_t level = levels_.size(); level-- > 0;) {
+      row = row * kWidth + indexOfGreatest(levels_[level].rows[row].greatest);
+    }
+    return row * kWidth + indexOfGreatest(rows_[row].greatest);
   }
 
   void choose(std::size_t place) {
-    distances_[place] = kChosen;
-    refresh(place / kBucket);
+    std::size_t row = place / kWidth;
+    rows_[row].greatest[static_cast<int>(place % kWidth)] = kChosen;
+    float greatest = rows_[row].greatest.maxCoeff();
+    for (Level& level : levels_) {
+      Boxes& boxes = level.rows[row / kWidth];
+      boxes.greatest[static_cast<int>(row % kWidth)] = greatest;
+      greatest = boxes.greatest.maxCoeff();
+      row /= kWidth;
+    }
   }
 
-  void approach(const WeightedPlace& chosen) { approach(1, chosen); }
+  void approach(const WeightedPlace& chosen) { approach(levels_.size() - 1, 0, chosen); }
 
  private:
-  struct Box {
-    Eigen::Vector3f low = Eigen::Vector3f::Constant(std::numeric_limits<float>::max());
-    Eigen::Vector3f high = Eigen::Vector3f::Constant(std::numeric_limits<float>::lowest());
-    float slowness = std::numeric_limits<float>::max();
+  /// Places side by side; `greatest` is the one squared distance of each, kChosen if it is chosen.
+  struct Places {
+    std::array<Row, 3> axes;
+    Row slowness = Row::Zero();
+    Row greatest = Row::Constant(kChosen);
+    Places() { axes.fill(Row::Zero()); }
+  };
+  /// Boxes around rows of the level below, and the greatest squared distance in each.
+  struct Boxes {
+    std::array<Row, 3> low;
+    std::array<Row, 3> high;
+    Row slowness = Row::Constant(std::numeric_limits<float>::max());
+    Row greatest = Row::Constant(kChosen);
+    Boxes() {
+      low.fill(Row::Constant(std::numeric_limits<float>::max()));
+      high.fill(Row::Constant(std::numeric_limits<float>::lowest()));
+    }
+  };
+  struct Level {
+    std::vector<Boxes> rows;
+    explicit Level(std::size_t size) : rows(size) {}
 
-    void include(const WeightedPlace& place) {
-      low = low.cwiseMin(place.position);
-      high = high.cwiseMax(place.position);
-      slowness = std::min(slowness, place.slowness);
+    void include(std::size_t i, const Places& places) {
+      Boxes& boxes = rows[i / kWidth];
+      const auto at = static_cast<int>(i % kWidth);
+      for (int k = 0; k < static_cast<int>(kWidth); ++k) {
+        if (places.greatest[k] == kChosen) continue;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          boxes.low[axis][at] = std::min(boxes.low[axis][at], places.axes[axis][k]);
+          boxes.high[axis][at] = std::max(boxes.high[axis][at], places.axes[axis][k]);
+        }
+        boxes.slowness[at] = std::min(boxes.slowness[at], places.slowness[k]);
+      }
+      boxes.greatest[at] = places.greatest.maxCoeff();
     }
-    void include(const Box& other) {
-      low = low.cwiseMin(other.low);
-      high = high.cwiseMax(other.high);
-      slowness = std::min(slowness, other.slowness);
-    }
-    float distanceTo(const WeightedPlace& place) const {
-      const Eigen::Vector3f d =
-          (low - place.position).cwiseMax(place.position - high).cwiseMax(0.0F);
-      return d.norm() * 0.5F * (slowness + place.slowness);
+    void include(std::size_t i, const Boxes& below) {
+      Boxes& boxes = rows[i / kWidth];
+      const auto at = static_cast<int>(i % kWidth);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        boxes.low[axis][at] = below.low[axis].minCoeff();
+        boxes.high[axis][at] = below.high[axis].maxCoeff();
+      }
+      boxes.slowness[at] = below.slowness.minCoeff();
+      boxes.greatest[at] = below.greatest.maxCoeff();
     }
   };
 
-  void update(std::size_t node) { tree_[node] = std::max(tree_[2 * node], tree_[2 * node + 1]); }
-
-  void refresh(std::size_t bucket) {
-    const auto begin = distances_.begin() + static_cast<std::ptrdiff_t>(bucket * kBucket);
-    std::size_t node = leaves_ + bucket;
-    tree_[node] = *std::max_element(begin, begin + kBucket);
-    for (node /= 2; node > 0; node /= 2) update(node);
+  static std::size_t indexOfGreatest(const Row& row) {
+    Eigen::Index index = 0;
+    row.maxCoeff(&index);
+    return static_cast<std::size_t>(index);
   }
 
-  void approach(std::size_t node, const WeightedPlace& chosen) {
-    if (tree_[node] < 0.0F || boxes_[node].distanceTo(chosen) >= tree_[node]) return;
-    if (node >= leaves_) {
-      measure(node - leaves_, chosen);
-      return;
+  void makeRows(const std::vector<WeightedPlace>& places) {
+    rows_.resize(std::max<std::size_t>((places.size() + kWidth - 1) / kWidth, 1));
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      Places& row = rows_[i / kWidth];
+      const auto at = static_cast<int>(i % kWidth);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        row.axes[axis][at] = places[i].position[static_cast<int>(axis)];
+      }
+      row.slowness[at] = places[i].slowness;
+      row.greatest[at] = std::numeric_limits<float>::max();
     }
-    approach(2 * node, chosen);
-    approach(2 * node + 1, chosen);
-    update(node);
   }
 
-  void measure(std::size_t bucket, const WeightedPlace& chosen) {
-    const std::size_t first = bucket * kBucket;
-    float greatest = kChosen;
-    for (std::size_t i = first; i < first + kBucket; ++i) {
-      const float dx = axes_[0][i] - chosen.position.x();
-      const float dy = axes_[1][i] - chosen.position.y();
-      const float dz = axes_[2][i] - chosen.position.z();
-      const float distance =
-          std::sqrt(dx * dx + dy * dy + dz * dz) * 0.5F * (slowness_[i] + chosen.slowness);
-      distances_[i] = std::min(distances_[i], distance);
-      greatest = std::max(greatest, distances_[i]);
+  /// Lowers the distances below a row of boxes.
+  void approach(std::size_t level, std::size_t row, const WeightedPlace& chosen) {
+    Boxes& boxes = levels_[level].rows[row];
+    Row distance2 = Row::Zero();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float p = chosen.position[static_cast<int>(axis)];
+      distance2 += (boxes.low[axis] - p).max(p - boxes.high[axis]).max(0.0F).square();
     }
-    tree_[leaves_ + bucket] = greatest;
+    const Row least = distance2 * (0.5F * (boxes.slowness + chosen.slowness)).square();
+    for (std::size_t i = 0; i < kWidth; ++i) {
+      const auto at = static_cast<int>(i);
+      if (least[at] >= boxes.greatest[at]) continue;
+      const std::size_t below = row * kWidth + i;
+      if (level > 0) {
+        approach(level - 1, below, chosen);
+        boxes.greatest[at] = levels_[level - 1].rows[below].greatest.maxCoeff();
+      } else {
+        boxes.greatest[at] = measure(&rows_[below], chosen);
+      }
+    }
   }
 
-  std::size_t size_;
-  std::array<std::vector<float>, 3> axes_;
-  std::vector<float> slowness_;
-  std::vector<float> distances_;  // kChosen for chosen places
-  std::size_t leaves_ = 1;
-  std::vector<float> tree_;  // greatest distances, the root at 1, buckets from leaves_ on
-  std::vector<Box> boxes_;   // of the nodes of the tree
+  static float measure(Places* places, const WeightedPlace& chosen) {
+    const Row distance2 = (places->axes[0] - chosen.position.x()).square() +
+                          (places->axes[1] - chosen.position.y()).square() +
+                          (places->axes[2] - chosen.position.z()).square();
+    places->greatest = places->greatest.min(
+        distance2 * (0.5F * (places->slowness + chosen.slowness)).square());
+    return places->greatest.maxCoeff();
+  }
+
+  std::vector<Places> rows_;
+  std::vector<Level> levels_;  // the last has one row
 };
 
 }  // namespace
@@ -135,7 +172,7 @@ PlaceOrder orderFarthestFirst(const std::vector<WeightedPlace>& places,
   const auto cover = [&](const WeightedPlace& place) {
     open.approach(place);
     watched.approach(place);
-    return std::max({open.greatest(), watched.greatest(), 0.0F});
+    return std::max(open.greatest(), watched.greatest());
   };
   for (const WeightedPlace& place : before) result.covering_before.push_back(cover(place));
   for (std::size_t i = 0; i < places.size(); ++i) {
