@@ -31,7 +31,7 @@ constexpr double kAreaPerSample = 0.8;
 constexpr double kCellPerSpacing = 0.48;
 // The random start's distance, in spacings: large enough that most samples are put in by the
 // rounds, small enough that few long fronts are run.
-constexpr float kFirstRadiusPerSpacing = 2.4F;
+constexpr float kFirstRadiusPerSpacing = 2.0F;
 // Islands of points are joined across gaps of up to two cubes of 2^2 cells, about four spacings: a
 // few points farther from all others are mixed pixels, and would each get a sample.
 constexpr int kIslandLevel = 2;
