@@ -2,17 +2,34 @@
 #include "ladar_perception/resample/grid_points.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "ladar_perception/resample/morton.h"
 #include "ladar_perception/resample/radix_sort.h"
 
 namespace ladar_perception {
+namespace {
+
+/// Bits of coordinates spread for Morton keys, ten at a time.
+struct SpreadBits {
+  std::array<uint32_t, 1024> of_ten{};
+
+  SpreadBits() {
+    for (uint32_t i = 0; i < of_ten.size(); ++i) of_ten[i] = static_cast<uint32_t>(morton::spread(i));
+  }
+  uint64_t ofCell(float coordinate) const {
+    constexpr auto kOrigin = static_cast<int>(GridFrame::kOriginCell);
+    const auto cell = static_cast<uint32_t>(floorToInt(coordinate) + kOrigin);
+    return of_ten[cell & 1023] | uint64_t{of_ten[cell >> 10 & 1023]} << 30;
+  }
+};
+
+}  // namespace
+
 uint64_t cellKey(const Eigen::Vector3f& p) {
-  const auto cell = [](float value) {
-    return static_cast<uint32_t>(floorToInt(value) + static_cast<int>(GridFrame::kOriginCell));
-  };
-  return morton::encode(cell(p.x()), cell(p.y()), cell(p.z()));
+  static const SpreadBits spread;
+  return spread.ofCell(p.x()) | spread.ofCell(p.y()) << 1 | spread.ofCell(p.z()) << 2;
 }
 
 Eigen::Vector3f cubeCenter(uint64_t key, int level) {

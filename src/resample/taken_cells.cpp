@@ -20,7 +20,7 @@ struct BrickRange {
 
 }  // namespace
 
-TakenCells::TakenCells(const Crust& crust) : crust_(crust) {
+TakenCells::TakenCells(const Crust& crust) : crust_(crust), bricks_(crust.size()) {
   std::vector<std::vector<uint64_t>> keys;
   for (uint32_t cell = 0; cell < crust.size(); ++cell) {
     const std::size_t level = crust.levels[cell];
@@ -34,15 +34,20 @@ TakenCells::TakenCells(const Crust& crust) : crust_(crust) {
   for (std::size_t level = 0; level < levels_.size(); ++level) {
     levels_[level].grid.assign(std::move(keys[level]));
     levels_[level].grid.linkBricks();
-    levels_[level].taken.assign(levels_[level].grid.bricks().size(), 0);
+    Level& here = levels_[level];
+    here.taken.assign(here.grid.bricks().size(), 0);
+    for (uint32_t brick = 0; brick < here.taken.size(); ++brick) {
+      for (uint32_t i = here.grid.bricks()[brick].first; i < here.grid.brickEnd(brick); ++i) {
+        bricks_[here.numbers[i]] = brick;
+      }
+    }
   }
 }
 
 void TakenCells::add(uint32_t cell) {
-  const std::size_t number = crust_.levels[cell];
-  const uint64_t key = crust_.keys[cell] >> 3 * number;
-  Level& level = levels_[number];
-  level.taken[level.grid.findBrick(key >> 6)] |= uint64_t{1} << (key & 63);
+  const std::size_t level = crust_.levels[cell];
+  const uint64_t bit = crust_.keys[cell] >> 3 * level & 63;
+  levels_[level].taken[bricks_[cell]] |= uint64_t{1} << bit;
 }
 
 void TakenCells::findAround(uint32_t cell, const Eigen::Vector3f& place,
@@ -50,17 +55,22 @@ void TakenCells::findAround(uint32_t cell, const Eigen::Vector3f& place,
   const std::size_t own = crust_.levels[cell];
   const Level& level = levels_[own];
   // The place may lie in another cell, with the sample beyond it out of reach of this one.
-  uint64_t key = cellKey(place) >> 3 * own;
-  if (level.grid.findBrick(key >> 6) == kNoIndex) key = crust_.keys[cell] >> 3 * own;
-  findNear(level, key, cells);
+  const uint64_t own_key = crust_.keys[cell] >> 3 * own;
+  const uint64_t key = cellKey(place) >> 3 * own;
+  const uint32_t brick = key >> 6 == own_key >> 6 ? bricks_[cell] : level.grid.findBrick(key >> 6);
+  if (brick != kNoIndex) {
+    findNear(level, brick, key & 63, cells);
+  } else {
+    findNear(level, bricks_[cell], own_key & 63, cells);
+  }
   if (own > 0) findWithin(own - 1, cell, cells);
   if (own + 1 < levels_.size()) findWithin(own + 1, cell, cells);
 }
 
-void TakenCells::findNear(const Level& level, uint64_t key, std::vector<uint32_t>* cells) {
-  const uint32_t brick = level.grid.findBrick(key >> 6);
-  const auto& sides = kNearCells<kReach>.sides[key & 63];
-  for (std::size_t i = 0; i < kNearCells<kReach>.count[key & 63]; ++i) {
+void TakenCells::findNear(const Level& level, uint32_t brick, uint64_t bit,
+                          std::vector<uint32_t>* cells) {
+  const auto& sides = kNearCells<kReach>.sides[bit];
+  for (std::size_t i = 0; i < kNearCells<kReach>.count[bit]; ++i) {
     const uint32_t near = level.grid.brickAround(brick, sides[i].direction);
     if (near == kNoIndex) continue;
     for (uint64_t mask = level.taken[near] & sides[i].mask; mask != 0; mask &= mask - 1) {

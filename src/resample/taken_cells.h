@@ -32,13 +32,15 @@ class TakenCells {
     std::vector<uint64_t> taken;    // by brick: a bit a cell
   };
 
-  /// Taken cells near one, given by its key at that level.
-  static void findNear(const Level& level, uint64_t key, std::vector<uint32_t>* cells);
+  /// Taken cells near the one at a bit of a brick.
+  static void findNear(const Level& level, uint32_t brick, uint64_t bit,
+                       std::vector<uint32_t>* cells);
   /// Taken cells of another size around one, and some farther off.
   void findWithin(std::size_t number, uint32_t cell, std::vector<uint32_t>* cells) const;
 
   const Crust& crust_;
   std::vector<Level> levels_;
+  std::vector<uint32_t> bricks_;  // by cell, in the grid of its level
 };
 
 }  // namespace ladar_perception
