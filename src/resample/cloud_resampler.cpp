@@ -28,7 +28,7 @@ using Clock = std::chrono::steady_clock;
 constexpr double kAreaPerSample = 0.8;
 // About three and a half cells a sample: with fewer, places are missed and left too far from any
 // sample.
-constexpr double kCellPerSpacing = 0.48;
+constexpr double kCellPerSpacing = 0.47;
 // The random start's distance, in spacings: large enough that most samples are put in by the
 // rounds, small enough that few long fronts are run.
 constexpr float kFirstRadiusPerSpacing = 2.0F;
@@ -39,7 +39,8 @@ constexpr int kIslandLevel = 2;
 constexpr double kRadiusPerSpacing = 0.85;
 // The cell size, from an estimate of the area, is corrected by the crust's own area if it is off by
 // more than this: larger cells would be too few for good places, smaller ones too many for speed.
-constexpr double kCellSizeSlack = 1.25;
+constexpr double kTooLarge = 1.15;
+constexpr double kTooSmall = 1.25;
 // Every so many points are enough to estimate an area, as long as these are left.
 constexpr std::size_t kEstimateStride = 4;
 constexpr std::size_t kEstimatePoints = 20000;
@@ -302,7 +303,7 @@ class CloudResampler::Impl {
       // By the faces: what counts is how many cells there are, and at a slant they are farther
       // apart.
       const double better_m = cellFor(weightedArea(false));
-      if (better_m < cell_m * kCellSizeSlack && cell_m < better_m * kCellSizeSlack) return cell_m;
+      if (better_m < cell_m * kTooSmall && cell_m < better_m * kTooLarge) return cell_m;
       cell_m = better_m;
     }
   }

@@ -114,13 +114,15 @@ class Chooser {
     bounds_[cell] = 0.0F;  // never again
   }
 
-  float nextRadius(float radius) const {
+  float nextRadius(float radius) {
     const bool first = radius * kFirstStep > kLastRounds * goal_.first_radius;
     float next = radius * (first ? kFirstStep : kLastStep);
     if (goal_.count > 0) {
       // On a surface the count grows as radius^-2; vertices that a round chooses in vain cost time.
       const float filled = static_cast<float>(set_.size()) / static_cast<float>(goal_.count);
-      next = std::max(next, std::min(radius * std::sqrt(filled), radius) * kBeyondCount);
+      const float expected = radius * std::sqrt(std::min(filled, 1.0F)) * kBeyondCount;
+      last_ = expected >= next;
+      next = std::max(next, expected);
     }
     return std::max(next, goal_.radius);
   }
@@ -191,6 +193,8 @@ class Chooser {
     tiles_.run(pool_, [&](int thread, std::size_t i) {
       chosen_[i].clear();
       fillTile(radius, thread, i);
+      // No other round has them any more.
+      if (last_) fillTile(radius, thread, i);
     });
     std::vector<Choice> choices;
     for (const std::vector<Choice>& of_tile : chosen_) {
@@ -271,6 +275,7 @@ class Chooser {
   std::vector<Fronts<Metric>> fronts_;         // by thread
   std::vector<std::vector<uint32_t>> around_;  // by thread: cells with samples
   SampleSet set_;
+  bool last_ = false;      // the round is likely to reach the count
   std::size_t added_ = 1;  // by the last round
   float left_out_ = 0.0F;  // arrival time at the farthest place chosen but not taken
 };

@@ -237,10 +237,12 @@ void Fronts<Flood>::run(const FrontSource& source) {
     const uint32_t end = crust.first_neighbor[queue_[head] + 1];
     if (queue_.size() < size + end - first) queue_.resize(2 * (size + end - first));
     uint32_t* queue = queue_.data();
-    for (const uint32_t* to = crust.neighbors.data() + first; to < crust.neighbors.data() + end; ++to) {
+    for (const uint32_t* to = crust.neighbors.data() + first; to < crust.neighbors.data() + end;
+         ++to) {
       Eigen::Vector3f d;
       const float time = straight(nodes[*to], front, &d);
-      // Whether the front is sooner cannot be foreseen (in its own cells it is not), hence no branch.
+      // Whether the front is sooner cannot be foreseen (in its own cells it is not), hence no
+      // branch.
       FrontField::Arrival& known = arrivals[*to];
       const uint32_t sooner = time < known.time ? 1 : 0;
       queue[size] = *to;

@@ -16,7 +16,8 @@ struct SpreadBits {
   std::array<uint32_t, 1024> of_ten{};
 
   SpreadBits() {
-    for (uint32_t i = 0; i < of_ten.size(); ++i) of_ten[i] = static_cast<uint32_t>(morton::spread(i));
+    for (uint32_t i = 0; i < of_ten.size(); ++i)
+      of_ten[i] = static_cast<uint32_t>(morton::spread(i));
   }
   uint64_t ofCell(float coordinate) const {
     constexpr auto kOrigin = static_cast<int>(GridFrame::kOriginCell);

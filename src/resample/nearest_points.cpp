@@ -35,8 +35,8 @@ struct Nearest {
   }
 };
 
-/// Voxels along one axis up to kWide steps from the own one, which comes first: it is likely to make
-/// the others needless.
+/// Voxels along one axis up to kWide steps from the own one, which comes first: it is likely to
+/// make the others needless.
 struct Steps {
   static constexpr std::size_t kCount = 2 * kWide + 1;
   std::array<float, kCount> gaps2;  ///< squared distances to the voxels

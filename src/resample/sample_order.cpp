@@ -152,8 +152,8 @@ class Buckets {
     const Row distance2 = (places->axes[0] - chosen.position.x()).square() +
                           (places->axes[1] - chosen.position.y()).square() +
                           (places->axes[2] - chosen.position.z()).square();
-    places->greatest = places->greatest.min(
-        distance2 * (0.5F * (places->slowness + chosen.slowness)).square());
+    places->greatest =
+        places->greatest.min(distance2 * (0.5F * (places->slowness + chosen.slowness)).square());
     return places->greatest.maxCoeff();
   }
 

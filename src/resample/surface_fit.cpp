@@ -152,8 +152,8 @@ class Fitter {
     constexpr std::array<int, 3> kStride = {1, 3, 9};
     int main_axis = 0;
     piece->normal.cwiseAbs().maxCoeff(&main_axis);
-    const uint32_t column = uint32_t{1} | uint32_t{1} << kStride[main_axis] |
-                            uint32_t{1} << 2 * kStride[main_axis];
+    const uint32_t column =
+        uint32_t{1} | uint32_t{1} << kStride[main_axis] | uint32_t{1} << 2 * kStride[main_axis];
     for (int axis = 0; axis < 3; ++axis) {
       if (axis == main_axis) continue;
       const int across = 3 - axis - main_axis;

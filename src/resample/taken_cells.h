@@ -20,8 +20,8 @@ class TakenCells {
 
   /// Different tiles may do so at the same time.
   void add(uint32_t cell);
-  /// Appends the taken cells around a place in or near a cell, of its size, half and twice of it; of
-  /// other sizes some farther off, too.
+  /// Appends the taken cells around a place in or near a cell, of its size, half and twice of it;
+  /// of other sizes some farther off, too.
   void findAround(uint32_t cell, const Eigen::Vector3f& place, std::vector<uint32_t>* cells) const;
 
  private:

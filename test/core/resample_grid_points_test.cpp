@@ -5,9 +5,9 @@
 #include <limits>
 #include <set>
 
+#include "crust_clouds.h"
 #include "ladar_perception/resample/grid_points.h"
 #include "ladar_perception/resample/morton.h"
-#include "crust_clouds.h"
 
 namespace ladar_perception {
 namespace {
@@ -178,59 +178,6 @@ TEST(GridOrigin, FarOutliersDoNotTakeTheCloudOutOfReach) {
   const GridFrame frame = test::gridFrame(0.001, gridOrigin(cloud, 0.001));
   EXPECT_LT((frame.origin_m - Vector3d(500, 600, 700)).cwiseAbs().maxCoeff(), 10.0);
   EXPECT_EQ(sortIntoGrid(cloud, frame).size(), 101u);
-}
-
-double areaOf(const Cloud& cloud, double cell_m, const std::vector<float>& weights = {}) {
-  return estimateArea(sortIntoGrid(cloud, test::gridFrame(cell_m)), weights);
-}
-
-TEST(EstimateArea, OfTooFewPointsIsNothing) {
-  EXPECT_EQ(areaOf({}, 0.1), 0.0);
-  EXPECT_EQ(areaOf({{1, 2, 3}}, 0.1), 0.0);
-  EXPECT_EQ(areaOf({{1, 2, 3}, {1, 2, 4}, {5, 2, 3}}, 0.1), 0.0);
-}
-
-TEST(EstimateArea, OfPlanes) {
-  // An estimate to start from: within a third.
-  for (const double tilt : {0.0, 20.0, 45.0, 54.7}) {
-    for (const std::size_t count : {3000u, 30000u}) {
-      TestRandom random(7);
-      const test::PlaneFrame plane({3.3, 4.4, 5.5}, test::tilted(tilt, 30.0));
-      const Cloud cloud = test::patch(plane, 12.0, 8.0, count, 0.0, &random);
-      EXPECT_NEAR(areaOf(cloud, 0.02) / 96.0, 1.0, 0.33) << tilt << " " << count;
-    }
-  }
-}
-
-TEST(EstimateArea, GrowsWithTheSquareOfTheCell) {
-  TestRandom random(8);
-  const Cloud small = test::patch({}, 10.0, 10.0, 4000, 0.0, &random);
-  Cloud large = small;
-  for (Vector3d& p : large) p *= 8.0;
-  EXPECT_NEAR(areaOf(large, 0.8), 64.0 * areaOf(small, 0.1), 1e-6 * areaOf(large, 0.8));
-}
-
-TEST(EstimateArea, IsSharedByPointsAsTheirWeights) {
-  TestRandom random(9);
-  const Cloud near = test::patch({}, 10.0, 10.0, 4000, 0.0, &random);
-  const Cloud far =
-      test::patch({Vector3d(500, 500, 0), Vector3d(0, 0, 1)}, 10.0, 10.0, 4000, 0.0, &random);
-  const double near_m2 = areaOf(near, 0.1);
-  const double far_m2 = areaOf(far, 0.1);
-  const Cloud both = test::joined(near, far);
-  EXPECT_NEAR(areaOf(both, 0.1), near_m2 + far_m2, 1e-9 * near_m2);
-  std::vector<float> weights(both.size(), 1.0F);
-  EXPECT_NEAR(areaOf(both, 0.1, weights), near_m2 + far_m2, 1e-9 * near_m2);
-  std::fill(weights.begin() + 4000, weights.end(), 0.25F);
-  EXPECT_NEAR(areaOf(both, 0.1, weights), near_m2 + 0.25 * far_m2, 1e-6 * near_m2);
-  std::fill(weights.begin() + 4000, weights.end(), 0.0F);
-  EXPECT_NEAR(areaOf(both, 0.1, weights), near_m2, 1e-6 * near_m2);
-}
-
-TEST(EstimateArea, DuplicatesCountAsTheCellTheyAreIn) {
-  const Cloud cloud(1000, Vector3d(0.05, 0.05, 0.05));
-  EXPECT_LT(areaOf(cloud, 0.1), 0.02);
-  EXPECT_GT(areaOf(cloud, 0.1), 0.0);
 }
 
 }  // namespace

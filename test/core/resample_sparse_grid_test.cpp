@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <array>
 #include <map>
 #include <set>
 #include <string>
@@ -37,7 +38,22 @@ uint64_t moved(uint64_t key, int dx, int dy, int dz) {
 SparseGrid gridOf(const std::set<uint64_t>& keys) {
   SparseGrid grid;
   grid.assign({keys.begin(), keys.end()});
+  grid.linkBricks();
   return grid;
+}
+
+using Block = std::array<uint32_t, SparseGrid::kBlockCells>;
+
+/// Numbers of the cells of a brick and around it.
+Block blockOf(const SparseGrid& grid, std::size_t brick) {
+  Block block;
+  block.fill(kNoIndex);
+  grid.visitBlock(brick, [&](uint32_t number, int place, uint32_t direction) {
+    EXPECT_EQ(block.at(static_cast<std::size_t>(place)), kNoIndex);
+    EXPECT_EQ(grid.keys()[number] >> 6, grid.bricks()[grid.brickAround(brick, direction)].key);
+    block.at(static_cast<std::size_t>(place)) = number;
+  });
+  return block;
 }
 
 std::set<uint64_t> randomKeys(int64_t low, int64_t high, std::size_t count, uint64_t seed) {
@@ -90,9 +106,7 @@ void expectFinds(const SparseGrid& grid, const Numbers& numbers, uint64_t seed) 
 /// is the right one.
 void expectBlocks(const SparseGrid& grid, const Numbers& numbers) {
   for (std::size_t brick = 0; brick < grid.bricks().size(); ++brick) {
-    SparseGrid::Block block;
-    block.fill(12345);  // what an earlier brick left
-    grid.gather(brick, &block);
+    const Block block = blockOf(grid, brick);
     const uint64_t corner = grid.bricks()[brick].key << 6;
     for (int z = -1; z <= 4; ++z) {
       for (int y = -1; y <= 4; ++y) {
@@ -111,6 +125,43 @@ void expectBlocks(const SparseGrid& grid, const Numbers& numbers) {
         }
       }
     }
+  }
+}
+
+void expectBricksAround(const SparseGrid& grid) {
+  for (std::size_t brick = 0; brick < grid.bricks().size(); ++brick) {
+    for (uint32_t direction = 0; direction < 27; ++direction) {
+      const auto d = static_cast<int>(direction);
+      const uint64_t key = moved(grid.bricks()[brick].key, d % 3 - 1, d / 3 % 3 - 1, d / 9 - 1);
+      ASSERT_EQ(grid.brickAround(brick, direction), grid.findBrick(key)) << brick << " " << d;
+    }
+  }
+}
+
+/// The cells around every cell, each once, and the steps to them.
+template <int kReach>
+void expectNear(const SparseGrid& grid, const Numbers& numbers) {
+  for (const auto& [key, number] : numbers) {
+    std::set<uint32_t> expected;
+    for (int dz = -kReach; dz <= kReach; ++dz) {
+      for (int dy = -kReach; dy <= kReach; ++dy) {
+        for (int dx = -kReach; dx <= kReach; ++dx) {
+          const uint32_t near = lookUp(numbers, moved(key, dx, dy, dz));
+          if (near != kNoIndex) expected.insert(near);
+        }
+      }
+    }
+    const auto bit = static_cast<int>(key & 63);
+    std::set<uint32_t> visited;
+    grid.visitNear<kReach>(
+        grid.findBrick(key >> 6), bit, [&](uint32_t near, uint32_t direction, int near_bit) {
+          EXPECT_TRUE(visited.insert(near).second);
+          EXPECT_EQ(grid.keys()[near] & 63, static_cast<uint64_t>(near_bit));
+          if (kReach > 1) return;
+          const auto step = static_cast<int>(stepBetween(bit, direction, near_bit));
+          EXPECT_EQ(moved(key, step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1), grid.keys()[near]);
+        });
+    ASSERT_EQ(visited, expected) << number;
   }
 }
 
@@ -146,6 +197,7 @@ TEST(SparseGrid, OneCellInEachCornerOfABrick) {
     expectBricks(grid);
     expectFinds(grid, numbered(keys), bit);
     expectBlocks(grid, numbered(keys));
+    expectNear<1>(grid, numbered(keys));
   }
 }
 
@@ -162,6 +214,9 @@ TEST(SparseGrid, AgreesWithAMap) {
       expectBricks(grid);
       expectFinds(grid, numbers, count);
       expectBlocks(grid, numbers);
+      expectBricksAround(grid);
+      expectNear<1>(grid, numbers);
+      expectNear<2>(grid, numbers);
     }
   }
 }
@@ -187,8 +242,7 @@ TEST(SparseGrid, DrawnPlane) {
   }
   const SparseGrid grid = gridOf(keys);
   ASSERT_EQ(grid.bricks().size(), 2u);
-  SparseGrid::Block block;
-  grid.gather(0, &block);
+  const Block block = blockOf(grid, 0);
   for (int y = 0; y < 4; ++y) {
     std::string row;
     // The fifth column is the other brick's first.

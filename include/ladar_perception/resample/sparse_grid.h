@@ -73,8 +73,7 @@ inline constexpr std::array<uint64_t, 27> kBrickSides = brickSides();
 constexpr std::array<int8_t, 64> ninthsOfBits() {
   std::array<int8_t, 64> ninths{};
   for (uint64_t bit = 0; bit < 64; ++bit) {
-    ninths[bit] =
-        static_cast<int8_t>(morton::x(bit) + 3 * morton::y(bit) + 9 * morton::z(bit));
+    ninths[bit] = static_cast<int8_t>(morton::x(bit) + 3 * morton::y(bit) + 9 * morton::z(bit));
   }
   return ninths;
 }
@@ -179,9 +178,8 @@ class SparseGrid {
   static constexpr std::array<int, 64> blockPlaces() {
     std::array<int, 64> places{};
     for (uint64_t bit = 0; bit < 64; ++bit) {
-      places[bit] =
-          blockIndex(static_cast<int>(morton::x(bit)), static_cast<int>(morton::y(bit)),
-                     static_cast<int>(morton::z(bit)));
+      places[bit] = blockIndex(static_cast<int>(morton::x(bit)), static_cast<int>(morton::y(bit)),
+                               static_cast<int>(morton::z(bit)));
     }
     return places;
   }

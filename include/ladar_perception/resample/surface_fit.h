@@ -44,17 +44,18 @@ constexpr int kBridgeLevels = 3;
 
 /// Pieces of surface for voxels of `level`, those with `wanted[i]` set (all if it is empty): each
 /// by the first level, up to kBridgeLevels more, at which voxel and neighbours hold kPlanePoints.
-/// Coarser levels must be planar, so that foliage is not bridged. A line (a scan ring, a wire) stays
-/// one unless a coarser level finds the plane it lies in: a strip of ground if it lies, else one that
-/// faces the sensor. A voxel left alone gets a piece of its own size, with the normal of the line it
-/// is part of or facing the sensor; these come last, the others in the order of levels and keys.
+/// Coarser levels must be planar, so that foliage is not bridged. A line (a scan ring, a wire)
+/// stays one unless a coarser level finds the plane it lies in: a strip of ground if it lies, else
+/// one that faces the sensor. A voxel left alone gets a piece of its own size, with the normal of
+/// the line it is part of or facing the sensor; these come last, the others in the order of levels
+/// and keys.
 std::vector<SurfaceFit> fitSurface(const VoxelPyramid& pyramid, int level,
                                    const std::vector<uint8_t>& wanted,
                                    const Eigen::Vector3f& sensor, ThreadPool* pool);
 
 /// Sums over every wanted voxel of a level and its 26 neighbours, about its own brick's centre.
-/// With `thin_out` a voxel of odd coordinates (by their sum) that lies side by side with four wanted
-/// ones is left out, and no longer wanted: their pieces cover its place.
+/// With `thin_out` a voxel of odd coordinates (by their sum) that lies side by side with four
+/// wanted ones is left out, and no longer wanted: their pieces cover its place.
 std::vector<PointSums> sumNeighborhoods(const VoxelLevel& level, int level_number, bool thin_out,
                                         std::vector<uint8_t>* wanted, ThreadPool* pool);
 
