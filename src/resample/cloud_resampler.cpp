@@ -28,7 +28,7 @@ using Clock = std::chrono::steady_clock;
 constexpr double kAreaPerSample = 0.8;
 // About three and a half cells a sample: with fewer, places are missed and left too far from any
 // sample.
-constexpr double kCellPerSpacing = 0.47;
+constexpr double kCellPerSpacing = 0.465;
 // The random start's distance, in spacings: large enough that most samples are put in by the
 // rounds, small enough that few long fronts are run.
 constexpr float kFirstRadiusPerSpacing = 2.0F;

@@ -22,6 +22,8 @@ constexpr float kLastStep = 0.86F;
 constexpr float kLastRounds = 0.35F;  // of the first radius
 // The last round goes so far beyond the radius at which the count is expected.
 constexpr float kBeyondCount = 0.96F;
+// Every so many cells bear witness to how far the start's samples leave the surface.
+constexpr std::size_t kWitnessStride = 4;
 // Vertices lie up to half a cell from the cells around them, whose times are less by as much.
 constexpr float kVertexSlack = 0.6F;
 // Samples on two sheets of the surface this many cells apart are too near to each other; sheets
@@ -159,10 +161,9 @@ class Chooser {
     std::sort(cells.begin(), cells.end());
     for (const uint32_t cell : cells) places.push_back(placeOf(cell));
     std::vector<WeightedPlace> witnesses;
-    for (uint32_t cell = 0; cell < field_->crust->size(); ++cell) {
-      if (field_->arrivals[cell].time > 0.85F * goal_.first_radius && isLatest(*field_, cell)) {
-        witnesses.push_back({field_->crust->positions[cell], field_->crust->slowness[cell]});
-      }
+    witnesses.reserve(field_->crust->size() / kWitnessStride + 1);
+    for (std::size_t cell = 0; cell < field_->crust->size(); cell += kWitnessStride) {
+      witnesses.push_back({field_->crust->positions[cell], field_->crust->slowness[cell]});
     }
     std::vector<WeightedPlace> before;
     for (const uint32_t cell : set_.cells) before.push_back(placeOf(cell));

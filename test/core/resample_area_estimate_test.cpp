@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "ladar_perception/resample/area_estimate.h"
 #include "crust_clouds.h"
+#include "ladar_perception/resample/area_estimate.h"
 
 namespace ladar_perception {
 namespace {

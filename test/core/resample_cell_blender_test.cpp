@@ -4,10 +4,10 @@
 #include <array>
 #include <set>
 
+#include "crust_clouds.h"
 #include "ladar_perception/resample/cell_blender.h"
 #include "ladar_perception/resample/grid_points.h"
 #include "ladar_perception/resample/morton.h"
-#include "crust_clouds.h"
 
 namespace ladar_perception {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "crust_checks.h"
-#include "ladar_perception/resample/crust.h"
 #include "crust_clouds.h"
+#include "ladar_perception/resample/crust.h"
 
 namespace ladar_perception {
 namespace {

@@ -7,9 +7,9 @@
 #include <set>
 #include <string>
 
+#include "crust_clouds.h"
 #include "ladar_perception/resample/islands.h"
 #include "ladar_perception/resample/morton.h"
-#include "crust_clouds.h"
 
 namespace ladar_perception {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "ladar_perception/resample/nearest_points.h"
 #include "crust_clouds.h"
+#include "ladar_perception/resample/nearest_points.h"
 
 namespace ladar_perception {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "crust_clouds.h"
 #include "ladar_perception/resample/morton.h"
 #include "ladar_perception/resample/point_normals.h"
 #include "ladar_perception/resample/surface_fit.h"
-#include "crust_clouds.h"
 
 namespace ladar_perception {
 namespace {

@@ -74,8 +74,8 @@ TEST_P(ResampleTraps, SheetsACellApartMayBecomeOne) {
   }
 }
 
-/// No link leads from one sheet to the other, and still no two samples are nearer to each other than
-/// on one sheet.
+/// No link leads from one sheet to the other, and still no two samples are nearer to each other
+/// than on one sheet.
 TEST_P(ResampleTraps, SamplesOfNearSheetsKeepTheirDistance) {
   for (const char* policy : {"uniform", "range:min=1"}) {
     for (const double apart_m : {0.08, 0.12, 0.16}) {

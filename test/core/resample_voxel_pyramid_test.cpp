@@ -3,9 +3,9 @@
 
 #include <array>
 
+#include "crust_clouds.h"
 #include "ladar_perception/resample/morton.h"
 #include "ladar_perception/resample/voxel_pyramid.h"
-#include "crust_clouds.h"
 
 namespace ladar_perception {
 namespace {

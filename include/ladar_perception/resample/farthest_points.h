@@ -29,7 +29,7 @@ struct SampleSet {
   std::vector<Eigen::Vector3f> positions;
   /// Greatest arrival time that is left when this sample and those before it are in; does not grow.
   /// Among the first samples, those of the random start, it is the straight distance times the mean
-  /// slowness, and up to a tenth too little: late vertices stand for all places between.
+  /// slowness, and up to two cells too little: every fourth cell stands for those around it.
   std::vector<float> covering;
   float radius_reached = 0;  ///< the next sample would have been at most this far
 
