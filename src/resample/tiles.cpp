@@ -40,11 +40,15 @@ Tiles::Tiles(const std::vector<uint64_t>& keys, int level) {
       ++tiles_[other].earlier;
     }
   }
-  orderTiles(tile_keys);
+  for (uint64_t color = 0; color < 8; ++color) {
+    for (std::size_t i = 0; i < tile_keys.size(); ++i) {
+      if ((tile_keys[i] & 7) == color) by_color_.push_back(static_cast<uint32_t>(i));
+    }
+  }
+  orderByPlace();
 }
 
-void Tiles::orderTiles(const std::vector<uint64_t>& tile_keys) {
-  // Cubes of 4^3 tiles, whose cells stay in the cache, colour by colour.
+void Tiles::orderByPlace() {
   std::vector<std::vector<uint32_t>> earlier(tiles_.size());
   for (uint32_t i = 0; i < tiles_.size(); ++i) {
     for (const uint32_t later : tiles_[i].later) earlier[later].push_back(i);
@@ -55,21 +59,14 @@ void Tiles::orderTiles(const std::vector<uint64_t>& tile_keys) {
     if (taken[tile] != 0) return;
     for (const uint32_t other : earlier[tile]) take(other);
     taken[tile] = 1;
-    order_.push_back(tile);
+    by_place_.push_back(tile);
   };
-  for (std::size_t first = 0, end = 0; first < tile_keys.size(); first = end) {
-    while (end < tile_keys.size() && tile_keys[end] >> 6 == tile_keys[first] >> 6) ++end;
-    for (uint64_t color = 0; color < 8; ++color) {
-      for (std::size_t i = first; i < end; ++i) {
-        if ((tile_keys[i] & 7) == color) take(static_cast<uint32_t>(i));
-      }
-    }
-  }
+  for (uint32_t tile = 0; tile < tiles_.size(); ++tile) take(tile);
 }
 
 void Tiles::run(ThreadPool* pool, const std::function<void(int, std::size_t)>& work) const {
   if (pool->size() == 1 || tiles_.size() == 1) {
-    for (const uint32_t tile : order_) work(0, tile);
+    for (const uint32_t tile : by_place_) work(0, tile);
     return;
   }
   std::vector<std::atomic<uint32_t>> waiting(tiles_.size());
@@ -78,9 +75,9 @@ void Tiles::run(ThreadPool* pool, const std::function<void(int, std::size_t)>& w
   pool->run([&](int thread) {
     for (;;) {
       const std::size_t place = next.fetch_add(1);
-      if (place >= order_.size()) return;
-      const uint32_t tile = order_[place];
-      // What it waits for comes before it in the order, and has been begun.
+      if (place >= by_color_.size()) return;
+      const uint32_t tile = by_color_[place];
+      // What it waits for comes before it in the order, and has been begun, most likely ended.
       while (waiting[tile].load(std::memory_order_acquire) > 0) std::this_thread::yield();
       work(thread, tile);
       for (const uint32_t later : tiles_[tile].later) {

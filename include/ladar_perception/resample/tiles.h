@@ -32,10 +32,13 @@ class Tiles {
   void run(ThreadPool* pool, const std::function<void(int, std::size_t)>& work) const;
 
  private:
-  void orderTiles(const std::vector<uint64_t>& tile_keys);
+  void orderByPlace();
 
   std::vector<Tile> tiles_;
-  std::vector<uint32_t> order_;  // every tile after those it waits for, and near the one before
+  std::vector<uint32_t> by_color_;
+  // Each after those it waits for, and near the one before, which one thread's cache gains by; two
+  // would wait for each other.
+  std::vector<uint32_t> by_place_;
 };
 
 }  // namespace ladar_perception
