@@ -102,7 +102,7 @@ class Descent {
 
   RegistrationResult result(const RegistrationCloud& a, const RegistrationCloud& b) {
     FinalPairs final_pairs;
-    final_pairs.pairs = findPairs(matching_, ending_.T_a_b, &hints_);
+    final_pairs.pairs = findPairs(matching_, ending_.T_a_b, &memories_);
     final_pairs.sums = sumPairs(matching_, final_pairs.pairs, ending_.T_a_b, &final_pairs.details);
     ending_.targets = matching_.target->positions.size();
     ending_.fitting = fitting();
@@ -121,14 +121,14 @@ class Descent {
     Matching wide = matching_;
     wide.radius_m = std::max(matching_.radius_m, finalRadius_m());
     std::size_t count = 0;
-    for (const Pair& pair : findPairs(wide, ending_.T_a_b, &hints_)) {
+    for (const Pair& pair : findPairs(wide, ending_.T_a_b, &memories_)) {
       if (planeDistance(wide, pair, ending_.T_a_b) < kFits * config_.robust_scale_m) ++count;
     }
     return count;
   }
 
   void iterate(int steps_per_pairing) {
-    hints_.clear();
+    memories_.clear();
     double size_m = 0.0;
     for (int i = 0; i < config_.max_iterations; ++i) {
       size_m = step(steps_per_pairing);
@@ -139,7 +139,7 @@ class Descent {
 
   /// One pairing and some steps with it; how far these moved the samples, m.
   double step(int steps) {
-    const std::vector<Pair> pairs = findPairs(matching_, ending_.T_a_b, &hints_);
+    const std::vector<Pair> pairs = findPairs(matching_, ending_.T_a_b, &memories_);
     Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
     for (int i = 0; i < steps; ++i) {
       moved = expTwist(gaussNewtonStep(sumPairs(matching_, pairs, moved * ending_.T_a_b))) * moved;
@@ -156,7 +156,7 @@ class Descent {
   double initial_radius_m_;
   Matching matching_;
   Ending ending_;
-  std::vector<int> hints_;
+  std::vector<SurfaceIndex::Memory> memories_;
   double lever_m_ = 0.0;
 };
 
