@@ -66,6 +66,11 @@ void addOptions(CLI::App* app, Options* o) {
                   "other attempts of annealed and plain where one diverged")
       ->check(CLI::Range(0, RegistrationConfig::kMaxRestarts))
       ->capture_default_str();
+  app->add_option("--finish", o->registration.finish_points,
+                  "of the 30,000 points that clouds are averaged to, how many annealed lays on the "
+                  "other's at the end; 0: the samples are the last")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
   app->add_option("--starts", o->starts.random_starts, "random starts")
       ->check(CLI::Range(0, 100000))
       ->capture_default_str();

@@ -46,6 +46,18 @@ const std::array<Variation, 1 + RegistrationConfig::kMaxRestarts> kVariations = 
      {1.0, kTurn_deg, 0},
      {1.0, -kTurn_deg, 0}}};
 
+/// About `count` of the points, evenly from their order: that of voxels, in a surface.
+IndexedPoints someOf(const IndexedPoints& points, std::size_t count) {
+  const std::size_t size = points.positions.size();
+  IndexedPoints some;
+  for (std::size_t i = 0; i < std::min(count, size); ++i) {
+    const std::size_t at = i * size / std::min(count, size);
+    some.positions.push_back(points.positions[at]);
+    some.normals.push_back(points.normals[at]);
+  }
+  return some;
+}
+
 /// One registration, from the guess to the end.
 class Descent {
  public:
@@ -101,15 +113,31 @@ class Descent {
   }
 
   RegistrationResult result(const RegistrationCloud& a, const RegistrationCloud& b) {
+    ending_.fitting = fitting();
+    return judged(a, b);
+  }
+
+  /// Surface against surface, once the samples have found their place: these are few, and where
+  /// they are points of the scan, each has all the noise of a single return.
+  RegistrationResult finish(const RegistrationCloud& a, const RegistrationCloud& b) {
+    const IndexedPoints points =
+        someOf(b_.finest(), static_cast<std::size_t>(config_.finish_points));
+    matching_.source = &points;
+    matching_.samples = points.positions.size();
+    matching_.generalized = true;
+    iterate(1);
+    return judged(a, b);
+  }
+
+ private:
+  RegistrationResult judged(const RegistrationCloud& a, const RegistrationCloud& b) {
     FinalPairs final_pairs;
     final_pairs.pairs = findPairs(matching_, ending_.T_a_b, &memories_);
     final_pairs.sums = sumPairs(matching_, final_pairs.pairs, ending_.T_a_b, &final_pairs.details);
     ending_.targets = matching_.target->positions.size();
-    ending_.fitting = fitting();
     return judge(config_, a, b, final_pairs, ending_);
   }
 
- private:
   /// Where annealing ends.
   double finalRadius_m() const {
     return std::max(config_.final_radius_m, kLeastSpacings * a_.samples.spacing_m);
@@ -160,6 +188,22 @@ class Descent {
   double lever_m_ = 0.0;
 };
 
+RegistrationResult attempt(const RegistrationConfig& config, const RegistrationCloud& a,
+                           const RegistrationCloud& b, const Eigen::Isometry3d& T_a_b_guess,
+                           const Variation& variation) {
+  Descent descent(config, a, b, T_a_b_guess, variation);
+  if (config.solver == "plain") {
+    descent.plain();
+    return descent.result(a, b);
+  }
+  descent.anneal();
+  descent.polish();
+  RegistrationResult result = descent.result(a, b);
+  if (result.verdict == Verdict::kDiverged || config.finish_points == 0) return result;
+  RegistrationResult finished = descent.finish(a, b);
+  return finished.verdict == Verdict::kDiverged ? result : finished;
+}
+
 }  // namespace
 
 const char* verdictName(Verdict verdict) {
@@ -191,18 +235,12 @@ RegistrationResult SurfaceRegistrar::align(const RegistrationCloud& a, const Reg
   }
   RegistrationResult best;
   int iterations = 0;
-  for (int attempt = 0; attempt <= config_.restarts; ++attempt) {
-    Descent descent(config_, a, b, T_a_b_guess, kVariations[static_cast<std::size_t>(attempt)]);
-    if (config_.solver == "annealed") {
-      descent.anneal();
-      descent.polish();
-    } else {
-      descent.plain();
-    }
-    RegistrationResult result = descent.result(a, b);
+  for (int number = 0; number <= config_.restarts; ++number) {
+    RegistrationResult result =
+        attempt(config_, a, b, T_a_b_guess, kVariations[static_cast<std::size_t>(number)]);
     iterations += result.iterations;
     const bool found = result.verdict != Verdict::kDiverged;
-    if (attempt == 0 || found || result.overlap > best.overlap) best = std::move(result);
+    if (number == 0 || found || result.overlap > best.overlap) best = std::move(result);
     if (found) break;
   }
   best.iterations = iterations;

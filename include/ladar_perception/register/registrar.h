@@ -57,8 +57,8 @@ class Registrar {
 
 /// Point-to-plane (or generalised) iterations. Annealed: pairs are nearest points in the same bin
 /// of normals, within a radius that shrinks every iteration; the first farthest-first samples while
-/// it is large, then all; last with a robust kernel against the finest points there are. The same
-/// bits every time.
+/// it is large, then all; then with a robust kernel against the finest points there are; last, if
+/// finish_points are wanted, these of b's surface against a's. The same bits every time.
 class SurfaceRegistrar : public Registrar {
  public:
   /// Throws std::invalid_argument with every violation of `config`.
