@@ -16,7 +16,9 @@ namespace {
 constexpr double kLeastSpacings = 1.2;
 /// Weights of the robust kernel change with every step, partners hardly, and these are dear.
 constexpr int kPolishSteps = 3;
-/// A sample lies on a surface if it is no farther from it than these scales of the robust kernel.
+/// Of b's surface, enough to tell how much of it lies on a's.
+constexpr std::size_t kOverlapPoints = 1000;
+/// A point lies on a surface if it is no farther from it than these scales of the robust kernel.
 constexpr double kFits = 2.0;
 /// Steps below which iterations have settled, and those that are no reason to mistrust a result.
 constexpr double kSettled_m = 5e-4;
@@ -113,7 +115,7 @@ class Descent {
   }
 
   RegistrationResult result(const RegistrationCloud& a, const RegistrationCloud& b) {
-    ending_.fitting = fitting();
+    ending_.overlap = overlap();
     return judged(a, b);
   }
 
@@ -143,16 +145,29 @@ class Descent {
     return std::max(config_.final_radius_m, kLeastSpacings * a_.samples.spacing_m);
   }
 
-  /// Samples that lie on a's surfaces. Around sparse ones the surface is sparse, too: partners may
-  /// be as far as the samples are from each other, but not their planes.
-  std::size_t fitting() {
+  /// Share of b that lies on a's surfaces, by its samples or by its surface: samples may be many
+  /// where little is to be seen, as on a wall next to the sensor, and the surface is mostly ground
+  /// next to it. The lesser is the honest one.
+  double overlap() {
+    const double of_samples = overlapOf(b_.samples, &memories_);
+    if (b_.surface.positions.empty()) return of_samples;
+    std::vector<SurfaceIndex::Memory> memories;
+    return std::min(of_samples, overlapOf(someOf(b_.surface, kOverlapPoints), &memories));
+  }
+
+  /// Around sparse points the surface is sparse, too: partners may be as far as the samples are
+  /// from each other, but not their planes.
+  double overlapOf(const IndexedPoints& points, std::vector<SurfaceIndex::Memory>* memories) const {
+    if (points.positions.empty()) return 0.0;
     Matching wide = matching_;
+    wide.source = &points;
+    wide.samples = points.positions.size();
     wide.radius_m = std::max(matching_.radius_m, finalRadius_m());
     std::size_t count = 0;
-    for (const Pair& pair : findPairs(wide, ending_.T_a_b, &memories_)) {
+    for (const Pair& pair : findPairs(wide, ending_.T_a_b, memories)) {
       if (planeDistance(wide, pair, ending_.T_a_b) < kFits * config_.robust_scale_m) ++count;
     }
-    return count;
+    return static_cast<double>(count) / static_cast<double>(points.positions.size());
   }
 
   void iterate(int steps_per_pairing) {
@@ -204,6 +219,13 @@ RegistrationResult attempt(const RegistrationConfig& config, const RegistrationC
   return finished.verdict == Verdict::kDiverged ? result : finished;
 }
 
+/// Of two attempts the one that lays more of b on a.
+bool isBetter(const RegistrationResult& one, const RegistrationResult& other) {
+  const bool found = one.verdict != Verdict::kDiverged;
+  if (found != (other.verdict != Verdict::kDiverged)) return found;
+  return one.overlap > other.overlap;
+}
+
 }  // namespace
 
 const char* verdictName(Verdict verdict) {
@@ -239,9 +261,8 @@ RegistrationResult SurfaceRegistrar::align(const RegistrationCloud& a, const Reg
     RegistrationResult result =
         attempt(config_, a, b, T_a_b_guess, kVariations[static_cast<std::size_t>(number)]);
     iterations += result.iterations;
-    const bool found = result.verdict != Verdict::kDiverged;
-    if (number == 0 || found || result.overlap > best.overlap) best = std::move(result);
-    if (found) break;
+    if (number == 0 || isBetter(result, best)) best = std::move(result);
+    if (best.verdict != Verdict::kDiverged && best.overlap >= config_.good_overlap) break;
   }
   best.iterations = iterations;
   return best;

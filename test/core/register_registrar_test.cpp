@@ -360,6 +360,49 @@ TEST(SurfaceRegistrar, StartsAgainWhereItDiverged) {
   expectFound(pair, again, 0.01, 0.2);
 }
 
+TEST(SurfaceRegistrar, StartsAgainWhereTheOverlapIsNotGood) {
+  const PlacePair room = pairOf(test::roomFaces(), Isometry3d::Identity());
+  RegistrationConfig config;
+  config.initial_radius_m = 0.6;
+  config.min_overlap = 0.0;  // nothing is called diverged for it
+  config.good_overlap = 0.0;
+  const Isometry3d guess = motion({0.9, 0.9, 0.9}, 0.0);
+  const RegistrationResult first = SurfaceRegistrar(config).align(room.a, room.b, guess);
+  ASSERT_LT(first.overlap, 0.5);
+  config.good_overlap = 0.5;
+  config.restarts = RegistrationConfig::kMaxRestarts;
+  const RegistrationResult again = SurfaceRegistrar(config).align(room.a, room.b, guess);
+  EXPECT_GT(again.iterations, first.iterations);
+  expectFound(room, again, 0.01, 0.2);
+  config.good_overlap = 1.0;  // never reached: all attempts are made, the best is the result
+  const RegistrationResult all = SurfaceRegistrar(config).align(room.a, room.b, guess);
+  EXPECT_GT(all.iterations, again.iterations);
+  expectFound(room, all, 0.01, 0.2);
+}
+
+/// Most samples are of one wall, which fits in many false poses.
+TEST(SurfaceRegistrar, TellsTheOverlapBySurfaceNotOnlyBySamples) {
+  const std::vector<test::Face> faces = test::roomFaces();
+  const OrientedPoints wall = test::pointsOn({faces[0]}, 1900, 0.0, 14);
+  OrientedPoints samples = test::pointsOn(faces, 100, 0.0, 15);
+  samples.positions_m.insert(samples.positions_m.end(), wall.positions_m.begin(),
+                             wall.positions_m.end());
+  samples.normals.insert(samples.normals.end(), wall.normals.begin(), wall.normals.end());
+  const OrientedPoints surface = test::pointsOn(faces, 20000, 0.0, 16);
+  const RegistrationCloud room(surface, surface);
+  RegistrationConfig config;
+  config.restarts = 0;
+  config.initial_radius_m = 0.5;
+  // Along the wall.
+  const Isometry3d guess = motion({0.0, 1.5, 0.0}, 0.0);
+  const RegistrationResult by_samples =
+      SurfaceRegistrar(config).align(room, RegistrationCloud(samples), guess);
+  const RegistrationResult by_surface =
+      SurfaceRegistrar(config).align(room, RegistrationCloud(samples, surface), guess);
+  ASSERT_GT(by_samples.T_a_b.translation().norm(), 0.5);
+  EXPECT_LT(by_surface.overlap, by_samples.overlap - 0.1);
+}
+
 TEST(SurfaceRegistrar, RefusesBadConfigurations) {
   RegistrationConfig config;
   config.solver = "magic";

@@ -28,7 +28,8 @@ struct RegistrationResult {
   /// Of a twist (rotation, rad; translation, m) in frame b: the true transform is T_a_b exp(twist).
   /// Weak directions have a standard deviation of kWeakSigma_m. Zero if diverged.
   Matrix6d covariance = Matrix6d::Zero();
-  double overlap = 0.0;     ///< share of b's samples that lie on a's surfaces at the end
+  double overlap = 0.0;     ///< share of b's surface that lies on a's at the end; of its samples if
+                            ///< these are all it has
   double residual_m = 0.0;  ///< root mean square distance of the last pairs, from partners' planes
   /// What the pairs tell of motions, least first: share of a motion of the pairs' points, squared,
   /// that is across their surfaces. Only such motion is seen.

@@ -25,6 +25,7 @@ struct RegistrationConfig {
   int finish_points = 0;
   int restarts = 3;
   double min_overlap = 0.35;
+  double good_overlap = 0.5;
   double min_information = 0.01;
 
   /// Names, ranges, units and meanings of the fields above.
