@@ -3,9 +3,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace ladar_perception {
 
@@ -14,16 +15,20 @@ namespace ladar_perception {
 inline std::optional<int> parseArguments(CLI::App* app, int argc, char** argv) {
   try {
     app->parse(argc, argv);
-  } catch (const CLI::RequiredError& error) {
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app->exit(error);  // --help
+    std::string trouble = error.what();
     // CLI11 looks for what is missing before what it does not know, but who has mistyped an option
     // wants to hear of that.
-    const std::vector<std::string> unknown = app->remaining();
-    if (unknown.empty()) return app->exit(error);
-    return app->exit(CLI::ExtrasError(app->get_name(), unknown));
-  } catch (const CLI::ParseError& error) {
-    return app->exit(error);
+    if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && app->remaining_size() > 0) {
+      trouble = "unknown:";
+      for (const std::string& word : app->remaining()) trouble += " " + word;
+    }
+    std::cerr << std::filesystem::path(argv[0]).filename().string() << ": " << trouble
+              << " (see --help)\n";
+    return 1;
   }
-  return std::nullopt;
 }
 
 }  // namespace ladar_perception
