@@ -2,7 +2,6 @@
 // Labels every scan of a bag with the nodelet's own code, without a ROS master.
 #include <sys/resource.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
@@ -12,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cloud_message.h"
+#include "command_line.h"
 #include "ladar_perception/cloud/point_reader.h"
 #include "ladar_perception/terrain/truth_confusion.h"
 #include "ladar_perception/util/progress.h"
@@ -333,7 +333,7 @@ int main(int argc, char** argv) {
   app.add_option("--topic", options.topic, "the clouds' topic, needed when the bag has several");
   app.add_option("--threads", options.threads, "in place of the configuration's")
       ->check(CLI::Range(1, 64));
-  CLI11_PARSE(app, argc, argv);
+  if (const auto status = ladar_perception::parseArguments(&app, argc, argv)) return *status;
   try {
     ladar_perception::BagClassifier(options).run();
   } catch (const std::exception& error) {

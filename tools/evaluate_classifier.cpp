@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Judges a classifier on labelled clouds and bags.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
 #include <memory>
 
+#include "command_line.h"
 #include "labelled_source.h"
 #include "ladar_perception/learn/evaluation_report.h"
 #include "ladar_perception/learn/picture_samples.h"
@@ -112,7 +112,7 @@ int main(int argc, char** argv) {
       "calibration "
       "by report.json, a table and pictures. Every labelled point counts; unknown ones are wrong.");
   ladar_perception::addOptions(&app, &options);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto status = ladar_perception::parseArguments(&app, argc, argv)) return *status;
   try {
     ladar_perception::run(options);
   } catch (const std::exception& error) {

@@ -2,7 +2,6 @@
 // Turns files of scans, with or without poses and labels, into a bag that the nodelets can play.
 #include <ros/time.h>
 
-#include <CLI/CLI.hpp>
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
@@ -14,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "command_line.h"
 #include "ladar_perception/io/class_mapping.h"
 #include "ladar_perception/io/point_stream.h"
 #include "ladar_perception/io/pose_file.h"
@@ -300,13 +300,7 @@ int main(int argc, char** argv) {
       "import_scans");
   ladar_perception::Options options;
   ladar_perception::addOptions(app, options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help
-    std::cerr << "import_scans: " << error.what() << " (see --help)\n";
-    return 1;
-  }
+  if (const auto status = ladar_perception::parseArguments(&app, argc, argv)) return *status;
   try {
     ladar_perception::Importer importer(options);
     importer.run();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How far registrations may start from the truth, for several ways to sample the clouds: the
 // experiment of Cole, Harrison, Newman, figure 8.
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <exception>
@@ -14,6 +13,7 @@
 #include "basin_cloud.h"
 #include "basin_sampling.h"
 #include "basin_study.h"
+#include "command_line.h"
 #include "pcl_registrars.h"
 #include "report_pictures.h"
 
@@ -65,6 +65,11 @@ void addOptions(CLI::App* app, Options* o) {
   app->add_option("--restarts", o->registration.restarts,
                   "other attempts of annealed and plain where one diverged")
       ->check(CLI::Range(0, RegistrationConfig::kMaxRestarts))
+      ->capture_default_str();
+  app->add_option("--finish", o->registration.finish_points,
+                  "of the 30,000 points that clouds are averaged to, how many annealed lays on the "
+                  "other's at the end; 0: the samples are the last")
+      ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
   app->add_option("--starts", o->starts.random_starts, "random starts")
       ->check(CLI::Range(0, 100000))
@@ -210,13 +215,7 @@ int main(int argc, char** argv) {
       "registration_basin");
   ladar_perception::Options options;
   ladar_perception::addOptions(&app, &options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help
-    std::cerr << "registration_basin: " << error.what() << " (see --help)\n";
-    return 1;
-  }
+  if (const auto status = ladar_perception::parseArguments(&app, argc, argv)) return *status;
   try {
     ladar_perception::BasinRun(options).run();
   } catch (const std::exception& error) {

@@ -2,7 +2,6 @@
 // resample_cloud: re-samples one cloud by farthest points on its surface, from file to file.
 #include <sys/resource.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -14,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "command_line.h"
 #include "ladar_perception/io/output_file.h"
 #include "ladar_perception/io/resampled_scan.h"
 #include "ladar_perception/io/scan_file.h"
@@ -306,7 +306,7 @@ int main(int argc, char** argv) {
   addInputOptions(app, options);
   addSamplingOptions(app, options);
   addOutputOptions(app, options);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto status = ladar_perception::parseArguments(&app, argc, argv)) return *status;
   try {
     ladar_perception::Resampling(options).run();
   } catch (const std::exception& error) {

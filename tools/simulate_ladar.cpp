@@ -2,7 +2,6 @@
 // simulate_ladar: drives a simulated ladar through a scene and records a bag with true classes.
 #include <ros/time.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -16,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "command_line.h"
 #include "ladar_perception/io/output_file.h"
 #include "ladar_perception/io/scan_writer.h"
 #include "ladar_perception/sim/drifting_odometry.h"
@@ -322,7 +322,7 @@ int main(int argc, char** argv) {
   Options options;
   addOptions(&app, &options);
   addCloudOptions(&app, &options);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto status = ladar_perception::parseArguments(&app, argc, argv)) return *status;
   if (options.out.empty() && options.cloud.empty()) {
     std::cerr << "simulate_ladar: --out FILE.bag or --cloud FILE is required\n";
     return 1;

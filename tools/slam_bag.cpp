@@ -3,7 +3,6 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <sys/resource.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -13,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "command_line.h"
 #include "delayed_state_node_config.h"
 #include "ladar_perception/io/output_file.h"
 #include "ladar_perception/io/scan_writer.h"
@@ -322,7 +322,7 @@ int main(int argc, char** argv) {
   app.name("slam_bag");
   app.footer("Example: rosrun ladar_perception slam_bag drive.bag --out drive_slam");
   addOptions(&app, &options);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto status = ladar_perception::parseArguments(&app, argc, argv)) return *status;
   try {
     ladar_perception::BagSlam(options).run();
   } catch (const std::exception& error) {

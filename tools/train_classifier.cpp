@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Learns a classifier's mixtures from labelled clouds and bags.
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <memory>
 
+#include "command_line.h"
 #include "labelled_source.h"
 #include "ladar_perception/learn/calibrator.h"
 #include "ladar_perception/learn/sample_collector.h"
@@ -309,7 +309,7 @@ int main(int argc, char** argv) {
       "--classes "
       "maps. Features are computed scan by scan, by the code that runs on the vehicle.");
   ladar_perception::addOptions(&app, &options);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto status = ladar_perception::parseArguments(&app, argc, argv)) return *status;
   try {
     ladar_perception::train(options);
   } catch (const std::exception& error) {

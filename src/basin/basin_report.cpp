@@ -133,7 +133,8 @@ Json methodJson(const BasinReport& report, const MethodOutcomes& method) {
       {"from_truth",
        {{"error_m", method.from_truth.error_m},
         {"error_deg", method.from_truth.error_deg},
-        {"verdict", verdictName(method.from_truth.verdict)}}},
+        {"verdict", verdictName(method.from_truth.verdict)},
+        {"T_a_b", rowsOf(method.T_a_b_from_truth)}}},
       {"curves", curvesJson(report, method)},
       {"random", startsJson(report, method)}};
 }

@@ -132,9 +132,7 @@ RegistrationResult judge(const RegistrationConfig& config, const RegistrationClo
   result.iterations = ending.iterations;
   result.T_a_b = translated(a.origin_m()) * ending.T_a_b * translated(-b.origin_m());
   const auto pairs = static_cast<double>(sums.pairs);
-  if (ending.samples > 0) {
-    result.overlap = static_cast<double>(ending.fitting) / static_cast<double>(ending.samples);
-  }
+  result.overlap = ending.overlap;
   if (sums.pairs > 0) result.residual_m = std::sqrt(sums.squared_residuals / pairs);
   const PairInformation information = pairInformation(sums, final_pairs.details.normals);
   result.information = information.eigenvalues;

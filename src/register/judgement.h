@@ -26,8 +26,8 @@ struct Ending {
   Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< between local origins
   std::size_t targets = 0;                                  ///< points of a
   std::size_t samples = 0;                                  ///< of b
-  std::size_t fitting = 0;  ///< of these samples, those on a's surfaces
-  bool settled = false;     ///< the last steps were small
+  double overlap = 0.0;  ///< share of b's points that lie on a's surfaces
+  bool settled = false;  ///< the last steps were small
   int iterations = 0;
 };
 

@@ -74,20 +74,19 @@ Vector6d addPair(const Matching& matching, const Eigen::Vector3d& q, const Eigen
 }
 
 std::vector<Pair> findPairs(const Matching& matching, const Eigen::Isometry3d& T_a_b,
-                            std::vector<int>* hints) {
+                            std::vector<SurfaceIndex::Memory>* memories) {
   const Eigen::Matrix3f rotation = T_a_b.linear().cast<float>();
   const Eigen::Vector3f translation = T_a_b.translation().cast<float>();
   const auto radius_squared = static_cast<float>(matching.radius_m * matching.radius_m);
   const auto min_cosine = static_cast<float>(matching.min_normal_cosine);
   const std::size_t count = std::min(matching.samples, matching.source->positions.size());
-  hints->resize(matching.source->positions.size(), SurfaceIndex::kNone);
+  memories->resize(matching.source->positions.size());
   std::vector<Pair> pairs;
   pairs.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     const Eigen::Vector3f q = rotation * matching.source->positions[i] + translation;
     const Eigen::Vector3f n = rotation * matching.source->normals[i];
-    const int j = matching.index->nearest(q, n, radius_squared, (*hints)[i]);
-    (*hints)[i] = j;
+    const int j = matching.index->nearest(q, n, radius_squared, &(*memories)[i]);
     if (j == SurfaceIndex::kNone) continue;
     if (n.dot(matching.target->normals[static_cast<std::size_t>(j)]) < min_cosine) continue;
     pairs.push_back({static_cast<int>(i), j});

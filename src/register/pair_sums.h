@@ -43,11 +43,10 @@ struct Pair {
   int partner = 0;
 };
 
-/// Pairs for `T_a_b` between the clouds' local origins. `hints`: partners of b's samples in the
-/// same index from the iteration before, kNone where there was none; those of this one when it
-/// returns.
+/// Pairs for `T_a_b` between the clouds' local origins. `memories`: of b's samples in the same
+/// index from the iteration before, or empty; those of this one when it returns.
 std::vector<Pair> findPairs(const Matching& matching, const Eigen::Isometry3d& T_a_b,
-                            std::vector<int>* hints);
+                            std::vector<SurfaceIndex::Memory>* memories);
 
 /// How far a pair's sample is from its partner's plane, m.
 double planeDistance(const Matching& matching, const Pair& pair, const Eigen::Isometry3d& T_a_b);

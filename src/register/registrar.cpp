@@ -16,7 +16,9 @@ namespace {
 constexpr double kLeastSpacings = 1.2;
 /// Weights of the robust kernel change with every step, partners hardly, and these are dear.
 constexpr int kPolishSteps = 3;
-/// A sample lies on a surface if it is no farther from it than these scales of the robust kernel.
+/// Of b's surface, enough to tell how much of it lies on a's.
+constexpr std::size_t kOverlapPoints = 1000;
+/// A point lies on a surface if it is no farther from it than these scales of the robust kernel.
 constexpr double kFits = 2.0;
 /// Steps below which iterations have settled, and those that are no reason to mistrust a result.
 constexpr double kSettled_m = 5e-4;
@@ -45,6 +47,18 @@ const std::array<Variation, 1 + RegistrationConfig::kMaxRestarts> kVariations = 
      {1.0, -kTurn_deg, 1},
      {1.0, kTurn_deg, 0},
      {1.0, -kTurn_deg, 0}}};
+
+/// About `count` of the points, evenly from their order: that of voxels, in a surface.
+IndexedPoints someOf(const IndexedPoints& points, std::size_t count) {
+  const std::size_t size = points.positions.size();
+  IndexedPoints some;
+  for (std::size_t i = 0; i < std::min(count, size); ++i) {
+    const std::size_t at = i * size / std::min(count, size);
+    some.positions.push_back(points.positions[at]);
+    some.normals.push_back(points.normals[at]);
+  }
+  return some;
+}
 
 /// One registration, from the guess to the end.
 class Descent {
@@ -101,34 +115,63 @@ class Descent {
   }
 
   RegistrationResult result(const RegistrationCloud& a, const RegistrationCloud& b) {
-    FinalPairs final_pairs;
-    final_pairs.pairs = findPairs(matching_, ending_.T_a_b, &hints_);
-    final_pairs.sums = sumPairs(matching_, final_pairs.pairs, ending_.T_a_b, &final_pairs.details);
-    ending_.targets = matching_.target->positions.size();
-    ending_.fitting = fitting();
-    return judge(config_, a, b, final_pairs, ending_);
+    ending_.overlap = overlap();
+    return judged(a, b);
+  }
+
+  /// Surface against surface, once the samples have found their place: these are few, and where
+  /// they are points of the scan, each has all the noise of a single return.
+  RegistrationResult finish(const RegistrationCloud& a, const RegistrationCloud& b) {
+    const IndexedPoints points =
+        someOf(b_.finest(), static_cast<std::size_t>(config_.finish_points));
+    matching_.source = &points;
+    matching_.samples = points.positions.size();
+    matching_.generalized = true;
+    iterate(1);
+    return judged(a, b);
   }
 
  private:
+  RegistrationResult judged(const RegistrationCloud& a, const RegistrationCloud& b) {
+    FinalPairs final_pairs;
+    final_pairs.pairs = findPairs(matching_, ending_.T_a_b, &memories_);
+    final_pairs.sums = sumPairs(matching_, final_pairs.pairs, ending_.T_a_b, &final_pairs.details);
+    ending_.targets = matching_.target->positions.size();
+    return judge(config_, a, b, final_pairs, ending_);
+  }
+
   /// Where annealing ends.
   double finalRadius_m() const {
     return std::max(config_.final_radius_m, kLeastSpacings * a_.samples.spacing_m);
   }
 
-  /// Samples that lie on a's surfaces. Around sparse ones the surface is sparse, too: partners may
-  /// be as far as the samples are from each other, but not their planes.
-  std::size_t fitting() {
+  /// Share of b that lies on a's surfaces, by its samples or by its surface: samples may be many
+  /// where little is to be seen, as on a wall next to the sensor, and the surface is mostly ground
+  /// next to it. The lesser is the honest one.
+  double overlap() {
+    const double of_samples = overlapOf(b_.samples, &memories_);
+    if (b_.surface.positions.empty()) return of_samples;
+    std::vector<SurfaceIndex::Memory> memories;
+    return std::min(of_samples, overlapOf(someOf(b_.surface, kOverlapPoints), &memories));
+  }
+
+  /// Around sparse points the surface is sparse, too: partners may be as far as the samples are
+  /// from each other, but not their planes.
+  double overlapOf(const IndexedPoints& points, std::vector<SurfaceIndex::Memory>* memories) const {
+    if (points.positions.empty()) return 0.0;
     Matching wide = matching_;
+    wide.source = &points;
+    wide.samples = points.positions.size();
     wide.radius_m = std::max(matching_.radius_m, finalRadius_m());
     std::size_t count = 0;
-    for (const Pair& pair : findPairs(wide, ending_.T_a_b, &hints_)) {
+    for (const Pair& pair : findPairs(wide, ending_.T_a_b, memories)) {
       if (planeDistance(wide, pair, ending_.T_a_b) < kFits * config_.robust_scale_m) ++count;
     }
-    return count;
+    return static_cast<double>(count) / static_cast<double>(points.positions.size());
   }
 
   void iterate(int steps_per_pairing) {
-    hints_.clear();
+    memories_.clear();
     double size_m = 0.0;
     for (int i = 0; i < config_.max_iterations; ++i) {
       size_m = step(steps_per_pairing);
@@ -139,7 +182,7 @@ class Descent {
 
   /// One pairing and some steps with it; how far these moved the samples, m.
   double step(int steps) {
-    const std::vector<Pair> pairs = findPairs(matching_, ending_.T_a_b, &hints_);
+    const std::vector<Pair> pairs = findPairs(matching_, ending_.T_a_b, &memories_);
     Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
     for (int i = 0; i < steps; ++i) {
       moved = expTwist(gaussNewtonStep(sumPairs(matching_, pairs, moved * ending_.T_a_b))) * moved;
@@ -156,9 +199,32 @@ class Descent {
   double initial_radius_m_;
   Matching matching_;
   Ending ending_;
-  std::vector<int> hints_;
+  std::vector<SurfaceIndex::Memory> memories_;
   double lever_m_ = 0.0;
 };
+
+RegistrationResult attempt(const RegistrationConfig& config, const RegistrationCloud& a,
+                           const RegistrationCloud& b, const Eigen::Isometry3d& T_a_b_guess,
+                           const Variation& variation) {
+  Descent descent(config, a, b, T_a_b_guess, variation);
+  if (config.solver == "plain") {
+    descent.plain();
+    return descent.result(a, b);
+  }
+  descent.anneal();
+  descent.polish();
+  RegistrationResult result = descent.result(a, b);
+  if (result.verdict == Verdict::kDiverged || config.finish_points == 0) return result;
+  RegistrationResult finished = descent.finish(a, b);
+  return finished.verdict == Verdict::kDiverged ? result : finished;
+}
+
+/// Of two attempts the one that lays more of b on a.
+bool isBetter(const RegistrationResult& one, const RegistrationResult& other) {
+  const bool found = one.verdict != Verdict::kDiverged;
+  if (found != (other.verdict != Verdict::kDiverged)) return found;
+  return one.overlap > other.overlap;
+}
 
 }  // namespace
 
@@ -191,19 +257,12 @@ RegistrationResult SurfaceRegistrar::align(const RegistrationCloud& a, const Reg
   }
   RegistrationResult best;
   int iterations = 0;
-  for (int attempt = 0; attempt <= config_.restarts; ++attempt) {
-    Descent descent(config_, a, b, T_a_b_guess, kVariations[static_cast<std::size_t>(attempt)]);
-    if (config_.solver == "annealed") {
-      descent.anneal();
-      descent.polish();
-    } else {
-      descent.plain();
-    }
-    RegistrationResult result = descent.result(a, b);
+  for (int number = 0; number <= config_.restarts; ++number) {
+    RegistrationResult result =
+        attempt(config_, a, b, T_a_b_guess, kVariations[static_cast<std::size_t>(number)]);
     iterations += result.iterations;
-    const bool found = result.verdict != Verdict::kDiverged;
-    if (attempt == 0 || found || result.overlap > best.overlap) best = std::move(result);
-    if (found) break;
+    if (number == 0 || isBetter(result, best)) best = std::move(result);
+    if (best.verdict != Verdict::kDiverged && best.overlap >= config_.good_overlap) break;
   }
   best.iterations = iterations;
   return best;

@@ -24,11 +24,20 @@ void RegistrationConfig::addTo(ParamTable* table) {
              "of the kernel in the last iterations; pairs farther apart count little");
   table->add("max_iterations", &max_iterations, 1, 1000, "iterations",
              "of the last stage, and of the plain solver");
-  table->add("restarts", &restarts, 0, kMaxRestarts, "restarts",
-             "of a registration that diverged: with half the first radius, then from guesses that "
-             "are turned by 25 degrees (yaw, pitch, roll); twice the radius is the fourth");
+  table->add(
+      "finish_points", &finish_points, 0, 1000000, "points",
+      "of b's surface, that are laid on a's surface at the end, where clouds come with more "
+      "points than their samples; 0: samples are the last. 10000 take as long as all before, "
+      "and leave half of its error");
+  table->add(
+      "restarts", &restarts, 0, kMaxRestarts, "restarts",
+      "of a registration that diverged or whose overlap is not good: with half the first "
+      "radius, then from guesses that are turned by 25 degrees (yaw, pitch, roll); twice the "
+      "radius is the fourth. What lays most on the other cloud is the result");
   table->add("min_overlap", &min_overlap, 0.0, 1.0, "",
-             "a lesser share of points with a partner at the end is no registration");
+             "a lesser share of a cloud that lies on the other at the end is no registration");
+  table->add("good_overlap", &good_overlap, 0.0, 1.0, "",
+             "a lesser share is a reason for a restart");
   table->add("min_information", &min_information, 0.0, 1.0, "",
              "motions of which pairs see a lesser share, squared, are weak: the corridor's length");
 }

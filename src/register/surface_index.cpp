@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nanoflann.hpp>
 
 namespace ladar_perception {
@@ -12,23 +13,36 @@ constexpr std::size_t kLeafSize = 10;
 
 /// A normal is at most 36 degrees from the direction of its bin, members at most 53.
 constexpr float kMemberCosine = 0.6F;
+/// Searched of the radius, so that a point that has moved is known to have none within it.
+constexpr float kWider = 1.3F;
+/// Of what is left of a distance: more than float arithmetic can be wrong.
+constexpr float kRounding = 0.9999F;
 
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, TreePoints>,
                                                  TreePoints, 3, uint32_t>;
 
-/// The one nearest point within a radius, as nanoflann wants its results taken.
-struct NearestWithin {
-  float best_squared;
-  uint32_t index = 0;
-  bool found = false;
+/// The two nearest points within a radius, as nanoflann wants its results taken.
+struct TwoNearestWithin {
+  explicit TwoNearestWithin(float radius_squared)
+      : first_squared(radius_squared), second_squared(radius_squared) {}
+
+  static constexpr uint32_t kNothing = 0xffffffffU;
+  float first_squared;
+  float second_squared;
+  uint32_t first = kNothing;
+  uint32_t second = kNothing;
 
   bool full() const { return true; }
-  float worstDist() const { return best_squared; }
+  float worstDist() const { return second_squared; }
   bool addPoint(float squared, uint32_t at) {
-    if (squared < best_squared) {
-      best_squared = squared;
-      index = at;
-      found = true;
+    if (squared < first_squared) {
+      second_squared = first_squared;
+      second = first;
+      first_squared = squared;
+      first = at;
+    } else if (squared < second_squared) {
+      second_squared = squared;
+      second = at;
     }
     return true;  // go on
   }
@@ -93,22 +107,51 @@ SurfaceIndex::~SurfaceIndex() = default;
 SurfaceIndex::SurfaceIndex(SurfaceIndex&&) noexcept = default;
 SurfaceIndex& SurfaceIndex::operator=(SurfaceIndex&&) noexcept = default;
 
+bool SurfaceIndex::isMember(int point, int bin) const {
+  return point != kNone &&
+         ((members_[static_cast<std::size_t>(point)] >> static_cast<unsigned>(bin)) & 1U) != 0;
+}
+
+float SurfaceIndex::squaredDistance(int point, const Eigen::Vector3f& position) const {
+  return (positions_[static_cast<std::size_t>(point)] - position).squaredNorm();
+}
+
+bool SurfaceIndex::recall(const Eigen::Vector3f& position, int bin, float radius_squared,
+                          const Memory& memory, int* found) const {
+  if (memory.bin != bin) return false;
+  const float others_m = kRounding * (memory.others_m - (position - memory.position).norm());
+  if (!(others_m > 0.0F)) return false;
+  const float squared = memory.nearest == kNone ? std::numeric_limits<float>::infinity()
+                                                : squaredDistance(memory.nearest, position);
+  if (std::min(squared, radius_squared) >= others_m * others_m) return false;
+  *found = squared < radius_squared ? memory.nearest : kNone;
+  return true;
+}
+
+float SurfaceIndex::bound(const Eigen::Vector3f& position, int bin, float radius_squared,
+                          const Memory& memory) const {
+  if (!isMember(memory.nearest, bin) || !isMember(memory.second, bin)) return radius_squared;
+  const float squared =
+      std::max(squaredDistance(memory.nearest, position), squaredDistance(memory.second, position));
+  // A bit farther, so that the search finds these two if nothing is nearer.
+  return std::min(radius_squared, squared * 1.0001F + 1e-9F);
+}
+
 int SurfaceIndex::nearest(const Eigen::Vector3f& position, const Eigen::Vector3f& normal,
-                          float radius_squared, int hint) const {
+                          float radius_squared, Memory* memory) const {
   const int at = by_normal_ ? binOf(normal) : 0;
   const std::unique_ptr<Bin>& bin = bins_[static_cast<std::size_t>(at)];
   if (!bin) return kNone;
-  NearestWithin result{radius_squared};
-  const bool knows =
-      hint != kNone &&
-      ((members_[static_cast<std::size_t>(hint)] >> static_cast<unsigned>(at)) & 1U) != 0;
-  if (knows) {
-    // A bit farther, so that the search finds the hint itself if nothing is nearer.
-    const float squared = (positions_[static_cast<std::size_t>(hint)] - position).squaredNorm();
-    result.best_squared = std::min(radius_squared, squared * 1.0001F + 1e-9F);
-  }
+  int known = kNone;
+  if (recall(position, at, radius_squared, *memory, &known)) return known;
+  TwoNearestWithin result(bound(position, at, kWider * kWider * radius_squared, *memory));
   bin->tree->findNeighbors(result, position.data(), nanoflann::SearchParams());
-  return result.found ? static_cast<int>(bin->originals[result.index]) : kNone;
+  const auto original = [&](uint32_t i) {
+    return i == TwoNearestWithin::kNothing ? kNone : static_cast<int>(bin->originals[i]);
+  };
+  *memory = {position, std::sqrt(result.second_squared), original(result.first),
+             original(result.second), at};
+  return result.first_squared < radius_squared ? memory->nearest : kNone;
 }
 
 void SurfaceIndex::nearest(const Eigen::Vector3f& position, std::size_t count,

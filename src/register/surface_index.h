@@ -37,11 +37,21 @@ class SurfaceIndex {
   SurfaceIndex(SurfaceIndex&&) noexcept;
   SurfaceIndex& operator=(SurfaceIndex&&) noexcept;
 
+  /// What a search found, for the next one of the same point, which has moved a little since.
+  struct Memory {
+    Eigen::Vector3f position = Eigen::Vector3f::Zero();
+    float others_m = 0.0F;  ///< all points but `nearest` were at least this far from `position`
+    int nearest = kNone;
+    int second = kNone;
+    int bin = kNone;  ///< the tree that was searched; kNone: nothing is known
+  };
+
   /// The nearest point in the tree of `normal`, or kNone if none is within the radius. All points
-  /// are there whose normals differ by up to 17 degrees, none by more than 90. `hint`: a point that
-  /// may be near, or kNone; the result does not depend on it, but the time does.
+  /// are there whose normals differ by up to 17 degrees, none by more than 90. The result does not
+  /// depend on `memory`, but the time does: where the point has moved less than the nearest one
+  /// leads the second, nothing is searched.
   int nearest(const Eigen::Vector3f& position, const Eigen::Vector3f& normal, float radius_squared,
-              int hint) const;
+              Memory* memory) const;
   /// The `count` nearest points of all, nearest first, for an index of one tree.
   void nearest(const Eigen::Vector3f& position, std::size_t count, std::vector<uint32_t>* found,
                std::vector<float>* squared_distances) const;
@@ -51,6 +61,14 @@ class SurfaceIndex {
   static constexpr int kBins = 14;
   static int binOf(const Eigen::Vector3f& normal);
   void insert(int bin, const Eigen::Vector3f& position, std::size_t original);
+  bool isMember(int point, int bin) const;
+  float squaredDistance(int point, const Eigen::Vector3f& position) const;
+  /// Whether `memory` tells the nearest point within the radius; that point or kNone in `found`.
+  bool recall(const Eigen::Vector3f& position, int bin, float radius_squared, const Memory& memory,
+              int* found) const;
+  /// A radius within which there are two points, or the given one.
+  float bound(const Eigen::Vector3f& position, int bin, float radius_squared,
+              const Memory& memory) const;
 
   bool by_normal_;
   std::vector<Eigen::Vector3f> positions_;

@@ -89,6 +89,37 @@ TEST(SurfaceRegistrar, UsesTheFinestPointsThereAre) {
   EXPECT_LT(fine, 2e-4);
 }
 
+TEST(SurfaceRegistrar, FinishesWithMorePointsThanItsSamples) {
+  const auto faces = test::roomFaces();
+  RegistrationConfig config;
+  double before_m = 0.0;
+  double after_m = 0.0;
+  for (uint64_t seed = 0; seed < 10; ++seed) {
+    const RegistrationCloud a(test::pointsOn(faces, 300, 0.03, 20 + seed),
+                              test::pointsOn(faces, 20000, 0.01, 40 + seed));
+    const RegistrationCloud b(test::pointsOn(faces, 300, 0.03, 60 + seed),
+                              test::pointsOn(faces, 20000, 0.01, 80 + seed));
+    const Isometry3d guess = motion({0.3, 0.2, 0.1}, 4.0);
+    config.finish_points = 0;
+    before_m += SurfaceRegistrar(config).align(a, b, guess).T_a_b.translation().norm();
+    config.finish_points = 5000;
+    const RegistrationResult finished = SurfaceRegistrar(config).align(a, b, guess);
+    EXPECT_EQ(finished.verdict, Verdict::kConverged) << finished.reason;
+    after_m += finished.T_a_b.translation().norm();
+  }
+  std::printf("[   NUMBER ] errors %.2f mm, finished %.2f mm\n", 100.0 * before_m, 100.0 * after_m);
+  EXPECT_LT(after_m, 0.3 * before_m);
+}
+
+TEST(SurfaceRegistrar, FinishesWithItsSamplesWhereThereAreNoOthers) {
+  const PlacePair pair = pairOf(test::roomFaces(), motion({0.4, -0.3, 0.1}, 12.0));
+  RegistrationConfig config;
+  config.finish_points = 1000000;  // more than there are
+  const RegistrationResult result =
+      SurfaceRegistrar(config).align(pair.a, pair.b, pair.T_a_b * motion({0.5, 0.5, 0.0}, 8.0));
+  expectFound(pair, result, 0.005, 0.1);
+}
+
 TEST(SurfaceRegistrar, IsAsGoodAKilometreFromTheOrigin) {
   const Isometry3d T_a_b = motion({0.4, -0.3, 0.1}, 12.0);
   const Isometry3d far = motion({1000.0, -700.0, 50.0}, 30.0);
@@ -206,7 +237,9 @@ OrientedPoints cluttered(std::size_t count, uint64_t seed) {
 TEST(SurfaceRegistrar, SaysDivergedOfAnotherPlace) {
   const RegistrationCloud room(test::pointsOn(test::roomFaces(), 2000, kNoise_m, 8));
   const RegistrationCloud clutter(cluttered(2000, 9));
-  const SurfaceRegistrar registrar((RegistrationConfig()));
+  RegistrationConfig config;
+  config.finish_points = 1000;
+  const SurfaceRegistrar registrar(config);
   for (const double shift_m : {0.0, 1.0, 2.0}) {
     const Isometry3d guess = motion({shift_m, 0.0, 1.0}, 10.0);
     EXPECT_EQ(registrar.align(room, clutter, guess).verdict, Verdict::kDiverged) << shift_m;
@@ -287,9 +320,12 @@ TEST(SurfaceRegistrar, StandsManyEqualPoints) {
 
 /// Mean of squared errors, each in units of its covariance: 6 if the covariances are right.
 TEST(SurfaceRegistrar, CovarianceIsThatOfManyTrials) {
-  for (const char* cost : {"point_to_plane", "generalized"}) {
-    const SurfaceRegistrar registrar(withSolver("annealed", cost));
-    RegistrationConfig config;
+  RegistrationConfig plane = withSolver("annealed", "point_to_plane");
+  RegistrationConfig generalized = withSolver("annealed", "generalized");
+  RegistrationConfig finished = plane;
+  finished.finish_points = 600;
+  for (const RegistrationConfig& config : {plane, generalized, finished}) {
+    const SurfaceRegistrar registrar(config);
     const Isometry3d T_a_b = motion({0.4, -0.3, 0.1}, 12.0);
     constexpr int kTrials = 100;
     double sum = 0.0;
@@ -302,9 +338,10 @@ TEST(SurfaceRegistrar, CovarianceIsThatOfManyTrials) {
       sum += error.dot(result.covariance.ldlt().solve(error));
     }
     const double mean = sum / kTrials;
-    std::printf("[   NUMBER ] %s: squared errors are %.2f of 6\n", cost, mean);
-    EXPECT_GT(mean, 3.0) << cost;
-    EXPECT_LT(mean, 12.0) << cost;
+    std::printf("[   NUMBER ] %s, %d points: squared errors are %.2f of 6\n", config.cost.c_str(),
+                config.finish_points, mean);
+    EXPECT_GT(mean, 3.0) << config.cost << config.finish_points;
+    EXPECT_LT(mean, 12.0) << config.cost << config.finish_points;
   }
 }
 
@@ -321,6 +358,49 @@ TEST(SurfaceRegistrar, StartsAgainWhereItDiverged) {
   EXPECT_GT(again.overlap, once.overlap);
   EXPECT_GT(again.iterations, once.iterations);
   expectFound(pair, again, 0.01, 0.2);
+}
+
+TEST(SurfaceRegistrar, StartsAgainWhereTheOverlapIsNotGood) {
+  const PlacePair room = pairOf(test::roomFaces(), Isometry3d::Identity());
+  RegistrationConfig config;
+  config.initial_radius_m = 0.6;
+  config.min_overlap = 0.0;  // nothing is called diverged for it
+  config.good_overlap = 0.0;
+  const Isometry3d guess = motion({0.9, 0.9, 0.9}, 0.0);
+  const RegistrationResult first = SurfaceRegistrar(config).align(room.a, room.b, guess);
+  ASSERT_LT(first.overlap, 0.5);
+  config.good_overlap = 0.5;
+  config.restarts = RegistrationConfig::kMaxRestarts;
+  const RegistrationResult again = SurfaceRegistrar(config).align(room.a, room.b, guess);
+  EXPECT_GT(again.iterations, first.iterations);
+  expectFound(room, again, 0.01, 0.2);
+  config.good_overlap = 1.0;  // never reached: all attempts are made, the best is the result
+  const RegistrationResult all = SurfaceRegistrar(config).align(room.a, room.b, guess);
+  EXPECT_GT(all.iterations, again.iterations);
+  expectFound(room, all, 0.01, 0.2);
+}
+
+/// Most samples are of one wall, which fits in many false poses.
+TEST(SurfaceRegistrar, TellsTheOverlapBySurfaceNotOnlyBySamples) {
+  const std::vector<test::Face> faces = test::roomFaces();
+  const OrientedPoints wall = test::pointsOn({faces[0]}, 1900, 0.0, 14);
+  OrientedPoints samples = test::pointsOn(faces, 100, 0.0, 15);
+  samples.positions_m.insert(samples.positions_m.end(), wall.positions_m.begin(),
+                             wall.positions_m.end());
+  samples.normals.insert(samples.normals.end(), wall.normals.begin(), wall.normals.end());
+  const OrientedPoints surface = test::pointsOn(faces, 20000, 0.0, 16);
+  const RegistrationCloud room(surface, surface);
+  RegistrationConfig config;
+  config.restarts = 0;
+  config.initial_radius_m = 0.5;
+  // Along the wall.
+  const Isometry3d guess = motion({0.0, 1.5, 0.0}, 0.0);
+  const RegistrationResult by_samples =
+      SurfaceRegistrar(config).align(room, RegistrationCloud(samples), guess);
+  const RegistrationResult by_surface =
+      SurfaceRegistrar(config).align(room, RegistrationCloud(samples, surface), guess);
+  ASSERT_GT(by_samples.T_a_b.translation().norm(), 0.5);
+  EXPECT_LT(by_surface.overlap, by_samples.overlap - 0.1);
 }
 
 TEST(SurfaceRegistrar, RefusesBadConfigurations) {

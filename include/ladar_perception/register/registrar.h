@@ -28,7 +28,8 @@ struct RegistrationResult {
   /// Of a twist (rotation, rad; translation, m) in frame b: the true transform is T_a_b exp(twist).
   /// Weak directions have a standard deviation of kWeakSigma_m. Zero if diverged.
   Matrix6d covariance = Matrix6d::Zero();
-  double overlap = 0.0;     ///< share of b's samples that lie on a's surfaces at the end
+  double overlap = 0.0;     ///< share of b's surface that lies on a's at the end; of its samples if
+                            ///< these are all it has
   double residual_m = 0.0;  ///< root mean square distance of the last pairs, from partners' planes
   /// What the pairs tell of motions, least first: share of a motion of the pairs' points, squared,
   /// that is across their surfaces. Only such motion is seen.
@@ -57,8 +58,8 @@ class Registrar {
 
 /// Point-to-plane (or generalised) iterations. Annealed: pairs are nearest points in the same bin
 /// of normals, within a radius that shrinks every iteration; the first farthest-first samples while
-/// it is large, then all; last with a robust kernel against the finest points there are. The same
-/// bits every time.
+/// it is large, then all; then with a robust kernel against the finest points there are; last, if
+/// finish_points are wanted, these of b's surface against a's. The same bits every time.
 class SurfaceRegistrar : public Registrar {
  public:
   /// Throws std::invalid_argument with every violation of `config`.

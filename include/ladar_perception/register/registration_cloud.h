@@ -14,9 +14,10 @@ namespace ladar_perception {
 class RegistrationCloud {
  public:
   /// `samples`: in farthest-first order, so that the first of them are a sampling, too (or in
-  /// random order). `surface`: more points of the same surfaces, for the last stage, where this
-  /// cloud is the one registered to; the samples themselves if it is empty. Both in the frame of
-  /// the pose. Points that are not finite or have no normal are left out.
+  /// random order). `surface`: more points of the same surfaces, for the last stages, where this
+  /// cloud is the one registered to, or where finish_points of it are; the samples themselves if
+  /// it is empty. Both in the frame of the pose. Points that are not finite or have no normal are
+  /// left out.
   explicit RegistrationCloud(const OrientedPoints& samples, const OrientedPoints& surface = {});
 
   /// Mean of the samples: clouds may be far from the origin of their frame.

@@ -22,8 +22,10 @@ struct RegistrationConfig {
   double min_normal_cosine = 0.7;
   double robust_scale_m = 0.1;
   int max_iterations = 30;
+  int finish_points = 0;
   int restarts = 3;
   double min_overlap = 0.35;
+  double good_overlap = 0.5;
   double min_information = 0.01;
 
   /// Names, ranges, units and meanings of the fields above.
