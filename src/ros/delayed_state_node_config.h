@@ -26,6 +26,10 @@ struct DelayedStateNodeConfig {
   int map_samples_per_pose = 1000;
   double statistics_rate_hz = 1.0;
 
+  /// Poses start where odometry puts them: little overlap is then the way that was driven, and
+  /// restarts find nothing better.
+  DelayedStateNodeConfig() { registration.good_overlap = 0.0; }
+
   /// The table that feeds the strict readers, config/delayed_state.yaml and the documentation.
   ParamTable table();
   /// Violations that no single range can tell.

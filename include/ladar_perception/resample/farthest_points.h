@@ -40,7 +40,7 @@ struct SampleSet {
 /// the Voronoi diagram of those before, one after the other. Here
 /// 1. random cells farther than `first_radius` from all before make a start (a Poisson-disk set:
 ///    it covers every island of the crust): the many long fronts of the first samples are not run;
-/// 2. rounds with radii that fall by a fifth, then a tenth, fill in all vertices farther than the
+/// 2. rounds with radii that fall by a third, then a seventh, fill in the vertices farther than the
 ///    radius, tile by tile, each at the circumcentre of its three nearest samples, not at the
 ///    middle of a cell;
 /// 3. samples are put into the order of their distances.
