@@ -123,8 +123,7 @@ class Chooser {
       // On a surface the count grows as radius^-2; vertices that a round chooses in vain cost time.
       const float filled = static_cast<float>(set_.size()) / static_cast<float>(goal_.count);
       const float expected = radius * std::sqrt(std::min(filled, 1.0F)) * kBeyondCount;
-      last_ = expected >= next;
-      next = std::max(next, expected);
+      if (expected >= next && last_rounds_++ == 0) next = expected;
     }
     return std::max(next, goal_.radius);
   }
@@ -195,7 +194,7 @@ class Chooser {
       chosen_[i].clear();
       fillTile(radius, thread, i);
       // No other round has them any more.
-      if (last_) fillTile(radius, thread, i);
+      if (last_rounds_ > 0) fillTile(radius, thread, i);
     });
     std::vector<Choice> choices;
     for (const std::vector<Choice>& of_tile : chosen_) {
@@ -276,7 +275,7 @@ class Chooser {
   std::vector<Fronts<Metric>> fronts_;         // by thread
   std::vector<std::vector<uint32_t>> around_;  // by thread: cells with samples
   SampleSet set_;
-  bool last_ = false;      // the round is likely to reach the count
+  int last_rounds_ = 0;    // rounds that are likely to reach the count
   std::size_t added_ = 1;  // by the last round
   float left_out_ = 0.0F;  // arrival time at the farthest place chosen but not taken
 };
