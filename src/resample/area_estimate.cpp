@@ -12,7 +12,7 @@ namespace {
 constexpr uint32_t kEnough = 4;
 // A plane through a grid of cubes meets 1 to 1.7 of them for every one's face, and the least cubes
 // with enough points leave gaps: measured on clouds of ladars and on planes.
-constexpr double kCubesPerFace = 1.0;
+constexpr double kCubesPerFace = 1.05;
 // Points with fewer than four of them in a cube of so many cells are not joined into a surface, but
 // get pieces of about 0.75 cells radius: measured, too.
 constexpr double kWidestCells = 14.0;
