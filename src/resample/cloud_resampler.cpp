@@ -424,9 +424,7 @@ class CloudResampler::Impl {
     uint32_t nearest = kNoIndex;
     float least = std::numeric_limits<float>::infinity();
     for (int step = 0; step < 27; ++step) {
-      uint64_t other = morton::step(key, morton::kAxisX, step % 3 - 1);
-      other = morton::step(other, morton::kAxisY, step / 3 % 3 - 1);
-      const uint32_t cell = cells.find(morton::step(other, morton::kAxisZ, step / 9 - 1));
+      const uint32_t cell = cells.find(morton::around(key, step));
       if (cell == kNoIndex || taken[cell] != 0) continue;
       const float distance = (crust_.positions[cell] - position).squaredNorm();
       if (distance < least) {

@@ -123,10 +123,7 @@ class Linker {
     const std::size_t first = run->above.size();
     for (int step = 0; step < 27; ++step) {
       if ((met >> step & 1) != 0) continue;
-      uint64_t key = grids_[level].keys()[cell];
-      key = morton::step(key, morton::kAxisX, step % 3 - 1);
-      key = morton::step(key, morton::kAxisY, step / 3 % 3 - 1);
-      key = morton::step(key, morton::kAxisZ, step / 9 - 1);
+      uint64_t key = morton::around(grids_[level].keys()[cell], step);
       for (std::size_t above = level + 1; above < grids_.size(); ++above) {
         key >>= 3;
         const uint32_t other = grids_[above].find(key);

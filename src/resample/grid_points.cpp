@@ -15,7 +15,7 @@ namespace {
 struct SpreadBits {
   std::array<uint32_t, 1024> of_ten{};
 
-  SpreadBits() {
+  constexpr SpreadBits() {
     for (uint32_t i = 0; i < of_ten.size(); ++i)
       of_ten[i] = static_cast<uint32_t>(morton::spread(i));
   }
@@ -25,12 +25,12 @@ struct SpreadBits {
     return of_ten[cell & 1023] | uint64_t{of_ten[cell >> 10 & 1023]} << 30;
   }
 };
+constexpr SpreadBits kSpread;
 
 }  // namespace
 
 uint64_t cellKey(const Eigen::Vector3f& p) {
-  static const SpreadBits spread;
-  return spread.ofCell(p.x()) | spread.ofCell(p.y()) << 1 | spread.ofCell(p.z()) << 2;
+  return kSpread.ofCell(p.x()) | kSpread.ofCell(p.y()) << 1 | kSpread.ofCell(p.z()) << 2;
 }
 
 Eigen::Vector3f cubeCenter(uint64_t key, int level) {

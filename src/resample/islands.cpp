@@ -37,9 +37,7 @@ Sets touchingCubes(const SparseGrid& cubes) {
   for (uint32_t i = 0; i < cubes.size(); ++i) {
     // Half of the neighbours: the others find this one.
     for (int step = 14; step < 27; ++step) {
-      uint64_t key = morton::step(cubes.keys()[i], morton::kAxisX, step % 3 - 1);
-      key = morton::step(key, morton::kAxisY, step / 3 % 3 - 1);
-      const uint32_t other = cubes.find(morton::step(key, morton::kAxisZ, step / 9 - 1));
+      const uint32_t other = cubes.find(morton::around(cubes.keys()[i], step));
       if (other != kNoIndex) sets.unite(i, other);
     }
   }

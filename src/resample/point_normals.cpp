@@ -37,9 +37,7 @@ class LevelNormals {
     int count = 0;
     const uint64_t key = level_.grid.keys()[voxel];
     for (int step = 0; step < 27; ++step) {
-      uint64_t other = morton::step(key, morton::kAxisX, step % 3 - 1);
-      other = morton::step(other, morton::kAxisY, step / 3 % 3 - 1);
-      const uint32_t near = level_.grid.find(morton::step(other, morton::kAxisZ, step / 9 - 1));
+      const uint32_t near = level_.grid.find(morton::around(key, step));
       if (near == kNoIndex || near == voxel || normals_[near].isZero()) continue;
       const float cosine = std::abs(normals_[near].dot(normals_[voxel]));
       const double angle = std::acos(std::min(cosine, 1.0F));

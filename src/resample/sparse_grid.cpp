@@ -59,10 +59,8 @@ void SparseGrid::findBricksAround() {
     around_[brick][kOwn] = brick;
     // Half of the directions: from the others this brick is found.
     for (uint32_t direction = kOwn + 1; direction < 27; ++direction) {
-      const auto d = static_cast<int>(direction);
-      uint64_t key = morton::step(bricks_[brick].key, morton::kAxisX, d % 3 - 1);
-      key = morton::step(key, morton::kAxisY, d / 3 % 3 - 1);
-      const uint32_t other = findBrick(morton::step(key, morton::kAxisZ, d / 9 - 1));
+      const uint32_t other =
+          findBrick(morton::around(bricks_[brick].key, static_cast<int>(direction)));
       if (other == kNoIndex) continue;
       around_[brick][direction] = other;
       around_[other][2 * kOwn - direction] = brick;

@@ -8,15 +8,6 @@
 #include "ladar_perception/resample/sparse_grid.h"
 
 namespace ladar_perception {
-namespace {
-
-uint64_t neighborKey(uint64_t key, int dx, int dy, int dz) {
-  key = morton::step(key, morton::kAxisX, dx);
-  key = morton::step(key, morton::kAxisY, dy);
-  return morton::step(key, morton::kAxisZ, dz);
-}
-
-}  // namespace
 
 Tiles::Tiles(const std::vector<uint64_t>& keys, int level) {
   std::vector<uint64_t> tile_keys;
@@ -33,7 +24,7 @@ Tiles::Tiles(const std::vector<uint64_t>& keys, int level) {
   grid.assign(tile_keys);
   for (std::size_t i = 0; i < tile_keys.size(); ++i) {
     for (int step = 0; step < 27; ++step) {
-      const uint64_t key = neighborKey(tile_keys[i], step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1);
+      const uint64_t key = morton::around(tile_keys[i], step);
       const uint32_t other = grid.find(key);
       if (other == kNoIndex || (key & 7) <= (tile_keys[i] & 7)) continue;
       tiles_[i].later.push_back(other);

@@ -108,5 +108,17 @@ TEST(Morton, CellsOfACubeAreARunOfKeys) {
   EXPECT_EQ(*keys.begin() >> 9, morton::encode(5, 2, 11));
 }
 
+TEST(Morton, AroundACellAreTwentySevenPlacesXFastest) {
+  const uint64_t key = morton::encode(100, 203, 31);
+  int place = 0;
+  for (uint32_t z = 30; z <= 32; ++z) {
+    for (uint32_t y = 202; y <= 204; ++y) {
+      for (uint32_t x = 99; x <= 101; ++x)
+        EXPECT_EQ(morton::around(key, place++), morton::encode(x, y, z));
+    }
+  }
+  EXPECT_EQ(morton::around(key, 13), key);
+}
+
 }  // namespace
 }  // namespace ladar_perception

@@ -50,6 +50,12 @@ constexpr uint64_t previous(uint64_t key, uint64_t mask) {
 constexpr uint64_t step(uint64_t key, uint64_t mask, int by) {
   return by > 0 ? next(key, mask) : by < 0 ? previous(key, mask) : key;
 }
+/// The key of one of the 27 cells around (x fastest, 13 is the cell itself).
+constexpr uint64_t around(uint64_t key, int place) {
+  key = step(key, kAxisX, place % 3 - 1);
+  key = step(key, kAxisY, place / 3 % 3 - 1);
+  return step(key, kAxisZ, place / 9 - 1);
+}
 /// Any number of steps on or back.
 constexpr uint64_t jump(uint64_t key, uint64_t mask, int by) {
   const uint64_t lowest = mask & (~mask + 1);

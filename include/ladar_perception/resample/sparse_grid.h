@@ -147,9 +147,8 @@ class SparseGrid {
       if (near == kNoIndex) continue;
       const Brick& other = bricks_[near];
       for (uint64_t mask = other.mask & sides[i].mask; mask != 0; mask &= mask - 1) {
-        const uint64_t below = (mask & (~mask + 1)) - 1;
-        visit(other.first + static_cast<uint32_t>(__builtin_popcountll(other.mask & below)),
-              sides[i].direction, __builtin_ctzll(mask));
+        const int near_bit = __builtin_ctzll(mask);
+        visit(numberOf(other, near_bit), sides[i].direction, near_bit);
       }
     }
   }
@@ -165,10 +164,8 @@ class SparseGrid {
       const auto d = static_cast<int>(direction);
       const int shift = 4 * (d % 3 - 1 + kBlockEdge * (d / 3 % 3 - 1 + kBlockEdge * (d / 9 - 1)));
       for (uint64_t mask = other.mask & kBrickSides[26 - direction]; mask != 0; mask &= mask - 1) {
-        const auto bit = static_cast<std::size_t>(__builtin_ctzll(mask));
-        const uint64_t below = (mask & (~mask + 1)) - 1;
-        visit(other.first + static_cast<uint32_t>(__builtin_popcountll(other.mask & below)),
-              kBlockPlaces[bit] + shift, direction);
+        const int bit = __builtin_ctzll(mask);
+        visit(numberOf(other, bit), kBlockPlaces[static_cast<std::size_t>(bit)] + shift, direction);
       }
     }
   }
@@ -184,11 +181,13 @@ class SparseGrid {
     return places;
   }
   static const std::array<int, 64> kBlockPlaces;  // by bit
-  static uint32_t cellOf(const Brick& brick, int bit) {
+  /// Of the cell that is at a bit.
+  LADAR_INLINE static uint32_t numberOf(const Brick& brick, int bit) {
     const uint64_t below = (uint64_t{1} << bit) - 1;
-    return brick.mask >> bit & 1
-               ? brick.first + static_cast<uint32_t>(__builtin_popcountll(brick.mask & below))
-               : kNoIndex;
+    return brick.first + static_cast<uint32_t>(__builtin_popcountll(brick.mask & below));
+  }
+  static uint32_t cellOf(const Brick& brick, int bit) {
+    return brick.mask >> bit & 1 ? numberOf(brick, bit) : kNoIndex;
   }
   uint64_t slotOf(uint64_t brick_key) const {
     return brick_key * 0x9e3779b97f4a7c15ULL >> slot_shift_;
