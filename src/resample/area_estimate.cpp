@@ -12,10 +12,10 @@ namespace {
 constexpr uint32_t kEnough = 4;
 // A plane through a grid of cubes meets 1 to 1.7 of them for every one's face, and the least cubes
 // with enough points leave gaps: measured on clouds of ladars and on planes.
-constexpr double kCubesPerFace = 1.05;
+constexpr double kCubesPerFace = 1.1;
 // Points with fewer than four of them in a cube of so many cells are not joined into a surface, but
 // get pieces of about 0.75 cells radius: measured, too.
-constexpr double kWidestCells = 14.0;
+constexpr double kWidestCells = 15.0;
 constexpr double kPieceCells = 1.8;
 constexpr double kGroupsPerOctave = 4.0;
 constexpr double kLeastWeight = 1e-9;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "ladar_perception/resample/column_mask.h"
 #include "ladar_perception/resample/morton.h"
 #include "ladar_perception/resample/parallel.h"
 #include "ladar_perception/saliency/eigen_symmetric3.h"
@@ -32,6 +33,8 @@ constexpr float kLineRatio = 0.1F;
 // of its windows would run beside both.
 constexpr float kPlanarRatio = 0.05F;
 constexpr float kPlanarCells = 0.3F;
+// The plane of so many points is as true as what it leaves out of the surface's shape.
+constexpr float kTrustedPoints = 64.0F;
 
 // What is wanted of a voxel: a piece of surface, or another one, as that of a finer level may end
 // at a gap: of three scan lines it has seen two.
@@ -116,10 +119,48 @@ class Fitter {
       }
     });
     if (level > base_) boundPieces(voxels.grid, level, fates, &fits);
-    for (std::size_t i = 0; i < fits.size(); ++i) {
-      if (isPiece(fates[i])) fits_.push_back(fits[i]);
+    for (uint32_t i = 0; i < fits.size(); ++i) {
+      if (!isPiece(fates[i])) continue;
+      if (level < base_ + kBridgeLevels) {
+        fits_.push_back(fits[i]);
+      } else {
+        addClosed(fits[i], i, level);
+      }
     }
     found_.push_back(std::move(fits));
+  }
+
+  /// Adds the parts of a piece that gaps are closed in, in rectangles.
+  void addClosed(const SurfaceFit& piece, uint32_t voxel, int level) {
+    int main_axis = 0;
+    piece.normal.cwiseAbs().maxCoeff(&main_axis);
+    const int u = (main_axis + 1) % 3;
+    const int v = (main_axis + 2) % 3;
+    const ColumnMask mask = closeGaps(columnsWithPoints(pyramid_, level, voxel, u, v));
+    const auto width = static_cast<float>(1 << (level - 2));
+    const Eigen::Vector3f corner =
+        cubeCenter(pyramid_.level(level).grid.keys()[voxel], level).array() -
+        0.5F * width * static_cast<float>(kMaskEdge);
+    // Beyond the mask nothing is known, and the piece stays as it is.
+    const auto cut = [&](int axis, int begin, int end, SurfaceFit* part) {
+      const float low = corner[axis] + width * static_cast<float>(begin);
+      const float high = corner[axis] + width * static_cast<float>(end);
+      if (begin > 0) part->low[axis] = std::max(part->low[axis], low);
+      if (end < kMaskEdge) part->high[axis] = std::min(part->high[axis], high);
+      return part->low[axis] < part->high[axis];
+    };
+    for (int row = 0, row_end = 0; row < kMaskEdge; row = row_end) {
+      const uint32_t bits = mask[static_cast<std::size_t>(row)];
+      do ++row_end;
+      while (row_end < kMaskEdge && mask[static_cast<std::size_t>(row_end)] == bits);
+      for (uint32_t rest = bits; rest != 0;) {
+        const int first = __builtin_ctz(rest);
+        const int end = first + __builtin_ctz(~(rest >> first));
+        SurfaceFit part = piece;
+        if (cut(u, first, end, &part) && cut(v, row, row_end, &part)) fits_.push_back(part);
+        rest &= ~((uint32_t{1} << end) - 1);
+      }
+    }
   }
 
   static bool isPiece(Fate fate) { return fate == Fate::kSurface || fate == Fate::kBridge; }
@@ -179,7 +220,9 @@ class Fitter {
     piece->major = plane.major;
     piece->semi_major = semiAxis(plane.l2, edge, base);
     piece->semi_minor = semiAxis(plane.l1, edge, base);
-    piece->trust = 1.0F / static_cast<float>(1 << 3 * (level - base_));
+    piece->trust =
+        std::min(sums.count, kTrustedPoints) / static_cast<float>(1 << 2 * (level - base_));
+    piece->level = static_cast<uint8_t>(level);
     if (line) return Fate::kLine;
     return level > base_ ? Fate::kBridge : Fate::kSurface;
   }
@@ -228,7 +271,9 @@ class Fitter {
           normal.isZero() ? facing(sensor_, piece.center, Eigen::Vector3f::Zero()) : normal;
       piece.major = piece.normal.unitOrthogonal();
       piece.semi_major = piece.semi_minor = kLeastSemiAxis * edge;
+      piece.trust = std::min(sums.count, kTrustedPoints);
       piece.weight = sums.weight / sums.count;
+      piece.level = static_cast<uint8_t>(base_);
       fits_.push_back(piece);
     }
   }

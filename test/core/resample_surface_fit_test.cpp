@@ -25,10 +25,6 @@ std::vector<SurfaceFit> fitted(const GriddedCloud& gridded, const Vector3f& sens
   return fitSurface(gridded.pyramid, 0, {}, sensor, &pool);
 }
 
-int levelOf(const SurfaceFit& piece) {
-  return static_cast<int>(std::lround(-std::log2(piece.trust) / 3.0F));
-}
-
 /// What holds for all pieces of fits from level 0.
 void expectSound(const std::vector<SurfaceFit>& pieces, const Vector3f& sensor) {
   for (const SurfaceFit& piece : pieces) {
@@ -41,11 +37,11 @@ void expectSound(const std::vector<SurfaceFit>& pieces, const Vector3f& sensor) 
     ASSERT_GT(piece.semi_minor, 0.0F);
     ASSERT_GE(piece.semi_major, piece.semi_minor);
     ASSERT_GT(piece.weight, 0.0F);
-    const int level = levelOf(piece);
-    ASSERT_GE(level, 0);
-    ASSERT_LE(level, kBridgeLevels);
+    ASSERT_LE(piece.level, kBridgeLevels);
+    ASSERT_GT(piece.trust, 0.0F);
+    ASSERT_LE(piece.trust, 64.0F);
     // A piece covers about its voxel, not much more.
-    ASSERT_LE(piece.semi_major, 2.0F * static_cast<float>(1 << level));
+    ASSERT_LE(piece.semi_major, 2.0F * static_cast<float>(1 << piece.level));
   }
 }
 
@@ -215,10 +211,35 @@ TEST(FitSurface, OfLargerVoxels) {
   const std::vector<SurfaceFit> pieces = fitSurface(gridded.pyramid, 2, {}, kAbove, &pool);
   ASSERT_GT(pieces.size(), 50u);
   for (const SurfaceFit& piece : pieces) {
-    EXPECT_EQ(piece.trust, 1.0F);
+    EXPECT_EQ(piece.level, 2);
     EXPECT_LE(piece.semi_major, 8.0F);
     EXPECT_GT(piece.semi_minor, 2.0F);
     EXPECT_GT(piece.normal.z(), 0.99F);
+  }
+}
+
+TEST(FitSurface, MorePointsAreTrustedMoreAndLargerVoxelsLess) {
+  TestRandom random(12);
+  // Nine cells of points around a voxel: 9, 36 and far more than tell more.
+  for (const auto& [density, trust] : {std::pair(1.0, 9.0), {4.0, 36.0}, {400.0, 64.0}}) {
+    double sum = 0.0;
+    double pieces = 0.0;
+    const auto count = static_cast<std::size_t>(density * 40 * 40);
+    for (const SurfaceFit& piece : fitted(GriddedCloud(test::patch(
+             test::PlaneFrame({0, 0, 0.5}, {0, 0, 1}), 40, 40, count, 0.05, &random)))) {
+      if (piece.level > 0 || piece.center.head<2>().cwiseAbs().maxCoeff() > 17.0F) continue;
+      sum += piece.trust;
+      pieces += 1.0;
+    }
+    EXPECT_NEAR(sum / pieces / trust, 1.0, 0.2) << density;
+  }
+  // Four columns of 256 cells, 64 points: of a voxel sixteen cells wide.
+  const std::vector<SurfaceFit> sparse = fitted(GriddedCloud(
+      test::patch(test::PlaneFrame({0, 0, 0.5}, {0, 0, 1}), 200, 200, 1000, 0.0, &random)));
+  for (const SurfaceFit& piece : sparse) {
+    if (piece.level == kBridgeLevels) {
+      ASSERT_LE(piece.trust, 64.0F / 256.0F);
+    }
   }
 }
 
@@ -249,6 +270,7 @@ TEST(FitSurface, AVoxelLeftAloneFacesTheSensor) {
   EXPECT_LT((pieces[0].center - Vector3f(10.2F, 20.3F, 5.4F)).norm(), 1e-4F);
   EXPECT_GT(pieces[0].normal.dot((sensor - pieces[0].center).normalized()), 0.9999F);
   EXPECT_EQ(pieces[0].trust, 1.0F);
+  EXPECT_EQ(pieces[0].level, 0);
   EXPECT_LE(pieces[0].semi_major, 1.0F);
 }
 
@@ -301,7 +323,7 @@ void expectLine(const Vector3d& direction, const std::function<Vector3d(const Ve
     const Vector3d center = piece.center.cast<double>();
     ASSERT_LT((center - center.dot(direction) * direction).norm(), 0.01);
     ASSERT_NEAR(std::abs(piece.major.cast<double>().dot(direction)), 1.0, 1e-3);
-    ASSERT_EQ(piece.trust, 1.0F);
+    ASSERT_EQ(piece.level, 0);
     Vector3d across = wanted(center);
     across -= across.dot(direction) * direction;
     ASSERT_GT(piece.normal.cast<double>().dot(across.normalized()), 0.999);
@@ -331,7 +353,7 @@ TEST(FitSurface, LinesOnAPlaneFindIt) {
   std::size_t bridges = 0;
   for (const SurfaceFit& piece : pieces) {
     ASSERT_NEAR(piece.center.z(), 0.5F, 0.3F);
-    if (piece.trust == 1.0F) continue;
+    if (piece.level == 0) continue;
     ++bridges;
     ASSERT_GT(piece.normal.z(), 0.98F);
     ASSERT_GT(piece.semi_minor, 2.0F);
@@ -346,7 +368,7 @@ TEST(FitSurface, FoliageIsNotBridged) {
       fitted(GriddedCloud(test::ball({0, 0, 0}, 25, 2200, &random)));
   expectSound(pieces, kAbove);
   std::size_t bridges = 0;
-  for (const SurfaceFit& piece : pieces) bridges += piece.trust < 1.0F ? 1 : 0;
+  for (const SurfaceFit& piece : pieces) bridges += piece.level > 0 ? 1 : 0;
   EXPECT_LT(bridges, pieces.size() / 50);
 }
 

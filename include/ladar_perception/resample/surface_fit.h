@@ -17,8 +17,11 @@ struct SurfaceFit {
   Eigen::Vector3f major = Eigen::Vector3f::Zero();   ///< unit, along the longer semi-axis
   float semi_major = 0;
   float semi_minor = 0;
-  float trust = 1;   ///< weight where pieces overlap: coarse ones give way to fine ones
-  float weight = 1;  ///< mean of the points' weights
+  /// Weight where pieces overlap: points it was fitted to, as far as more of them tell more, over
+  /// the square of its voxel's edge in those of the base level.
+  float trust = 1;
+  float weight = 1;   ///< mean of the points' weights
+  uint8_t level = 0;  ///< fitted to voxels of 2^level cells
   /// Ends of the piece, of which the two across the main axis of the normal count: where the next
   /// voxel has a piece of its own, pieces overlap a little only.
   Eigen::Vector3f low = Eigen::Vector3f::Constant(-kUnbounded);
@@ -39,8 +42,8 @@ PlaneFit fitPlane(const PointSums& sums);
 
 /// Points a plane needs: with fewer its normal is a guess.
 constexpr float kPlanePoints = 8;
-/// Levels that gaps between points are bridged over: voxels eight times as wide.
-constexpr int kBridgeLevels = 3;
+/// Levels that gaps between points are bridged over: voxels sixteen times as wide.
+constexpr int kBridgeLevels = 4;
 
 /// Pieces of surface for voxels of `level`, those with `wanted[i]` set (all if it is empty): each
 /// by the first level, up to kBridgeLevels more, at which voxel and neighbours hold kPlanePoints.
