@@ -39,7 +39,7 @@ constexpr int kIslandLevel = 2;
 constexpr double kRadiusPerSpacing = 0.85;
 // The cell size, from an estimate of the area, is corrected by the crust's own area if it is off by
 // more than this: larger cells would be too few for good places, smaller ones too many for speed.
-constexpr double kTooLarge = 1.17;
+constexpr double kTooLarge = 1.2;
 constexpr double kTooSmall = 1.25;
 // Every so many points are enough to estimate an area, as long as these are left.
 constexpr std::size_t kEstimateStride = 4;

@@ -88,6 +88,21 @@ TEST(ResampleAreaEstimate, OfPointsApartIsThatOfTheirPieces) {
   }
 }
 
+/// A crust bridges gaps where points lie in a plane, and not in foliage as sparse.
+TEST(ResampleAreaEstimate, OfSparsePointsDependsOnWhetherTheyLieInAPlane) {
+  TestRandom random(11);
+  constexpr std::size_t kPoints = 25600;
+  const Cloud plane =
+      test::patch({Vector3d(0, 0, 0.025), Vector3d(0, 0, 1)}, 80.0, 80.0, kPoints, 0.005, &random);
+  const Cloud foliage = test::patch({}, 80.0, 80.0, kPoints, 3.0, &random);
+  const auto estimated = [](const Cloud& cloud) {
+    return AreaEstimate(sortIntoGrid(cloud, test::gridFrame(0.05)), {}).area_m2(0.1);
+  };
+  EXPECT_NEAR(estimated(plane) / 6400.0, 1.0, 0.33);
+  const double piece_m2 = M_PI * std::pow(0.75 * 0.1, 2);
+  EXPECT_NEAR(estimated(foliage) / (kPoints * piece_m2), 1.0, 0.2);
+}
+
 TEST(ResampleAreaEstimate, FewerPointsStandForAll) {
   TestRandom random(10);
   const Cloud cloud = test::patch({}, 10.0, 10.0, 40000, 0.0, &random);

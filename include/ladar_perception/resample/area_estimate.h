@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "ladar_perception/resample/grid_points.h"
@@ -11,7 +12,8 @@ namespace ladar_perception {
 /// How much surface points lie on, told from the points alone, as a first guess at the size of
 /// cells. Every point stands for its part of the least cube, of 2^l cells of the grid it comes in,
 /// that holds four points. How many of the sparse ones are on a surface depends on the cells that
-/// look for it: a crust bridges gaps of some cells, and gives what is farther apart a piece each.
+/// look for it: a crust bridges gaps of some cells where points lie in a plane, and gives what is
+/// farther apart a piece each.
 class AreaEstimate {
  public:
   /// Areas count times the points' weights (by source; empty means 1), and places of weight w are
@@ -27,9 +29,10 @@ class AreaEstimate {
     double area_m2 = 0.0;
     double points = 0.0;
   };
-  void add(double edge_m, double share, double points, double weight);
+  void add(double edge_m, double thickness_m, double share, double points, double weight);
 
-  std::map<int, Group> groups_;  // by parts of octaves of a cube's edge times its weight^(1/2)
+  /// By parts of octaves of a cube's edge and of the thickness around it, both times weight^(1/2).
+  std::map<std::pair<int, int>, Group> groups_;
 };
 
 }  // namespace ladar_perception
