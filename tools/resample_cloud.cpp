@@ -254,6 +254,7 @@ Json Resampling::metrics() const {
   json["cell_size_m"] = samples_.cell_size_m;
   json["components"] = samples_.components;
   json["dropped_components"] = samples_.dropped_components;
+  json["lone_points"] = samples_.lone_points;
   json["samples"] = samples_.size();
   json["times_ms"] = {{"voxels", times.voxels},   {"attributes", times.attributes},
                       {"crust", times.crust},     {"fronts", times.fronts},
@@ -279,6 +280,9 @@ void Resampling::printSummary() const {
   if (samples_.dropped_components > 0) {
     std::printf(", %llu islands without samples",
                 static_cast<unsigned long long>(samples_.dropped_components));
+  }
+  if (samples_.lone_points > 0) {
+    std::printf(", %llu lone points", static_cast<unsigned long long>(samples_.lone_points));
   }
   std::printf("\n");
   const auto wanted = static_cast<std::size_t>(options_.config.count);

@@ -35,6 +35,10 @@ constexpr float kFirstRadiusPerSpacing = 2.0F;
 // Islands of points are joined across gaps of up to two cubes of 2^2 cells, about four spacings: a
 // few points farther from all others are mixed pixels, and would each get a sample.
 constexpr int kIslandLevel = 2;
+// A point with no other within so many spacings has no surface, and would be the farthest place of
+// all, if it is one of so few.
+constexpr double kLoneSpacings = 1.7;
+constexpr std::size_t kPointsPerLone = 100;
 // A radius that no place is farther from is about this part of the spacing.
 constexpr double kRadiusPerSpacing = 0.85;
 // The cell size, from an estimate of the area, is corrected by the crust's own area if it is off by
@@ -329,6 +333,12 @@ class CloudResampler::Impl {
           static_cast<std::size_t>(config_.count), &grid_);
       result_.components = islands.kept;
       result_.dropped_components = islands.dropped;
+      if (config_.min_component_points > 1) {
+        constexpr auto kLoneCells = static_cast<float>(kLoneSpacings / kCellPerSpacing);
+        result_.lone_points =
+            dropLonePoints(kIslandLevel + coarsest, kLoneCells * static_cast<float>(1 << coarsest),
+                           grid_.size() / kPointsPerLone, &grid_);
+      }
       cell_levels_.clear();
       if (coarsest > 0) wantLevels();
       pyramid_.emplace(grid_, weights_, kBridgeLevels + 1 + coarsest);

@@ -32,6 +32,24 @@ class Sets {
   std::vector<uint32_t> parent_;
 };
 
+/// Cubes that hold points, and for each the first of its points, with an end.
+struct Cubes {
+  SparseGrid grid;
+  std::vector<uint32_t> first_point;
+
+  Cubes(const GridPoints& points, int level) {
+    std::vector<uint64_t> keys;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const uint64_t key = points.keys[i] >> 3 * level;
+      if (!keys.empty() && keys.back() == key) continue;
+      keys.push_back(key);
+      first_point.push_back(static_cast<uint32_t>(i));
+    }
+    first_point.push_back(static_cast<uint32_t>(points.size()));
+    grid.assign(std::move(keys));
+  }
+};
+
 Sets touchingCubes(const SparseGrid& cubes) {
   Sets sets(cubes.size());
   for (uint32_t i = 0; i < cubes.size(); ++i) {
@@ -61,17 +79,9 @@ void keepPoints(const std::vector<uint8_t>& kept, GridPoints* points) {
 
 Islands dropSmallIslands(int level, std::size_t least_points, std::size_t most,
                          GridPoints* points) {
-  std::vector<uint64_t> keys;
-  std::vector<uint32_t> first_point;
-  for (std::size_t i = 0; i < points->size(); ++i) {
-    const uint64_t key = points->keys[i] >> 3 * level;
-    if (!keys.empty() && keys.back() == key) continue;
-    keys.push_back(key);
-    first_point.push_back(static_cast<uint32_t>(i));
-  }
-  first_point.push_back(static_cast<uint32_t>(points->size()));
-  SparseGrid cubes;
-  cubes.assign(std::move(keys));
+  const Cubes grid(*points, level);
+  const SparseGrid& cubes = grid.grid;
+  const std::vector<uint32_t>& first_point = grid.first_point;
   Sets sets = touchingCubes(cubes);
   std::vector<std::size_t> sizes(cubes.size(), 0);  // points, by the number that names the island
   for (uint32_t i = 0; i < cubes.size(); ++i) {
@@ -100,6 +110,38 @@ Islands dropSmallIslands(int level, std::size_t least_points, std::size_t most,
   }
   keepPoints(point_kept, points);
   return result;
+}
+
+std::size_t dropLonePoints(int level, float radius, std::size_t most, GridPoints* points) {
+  const Cubes cubes(*points, level);
+  const auto isNear = [&](std::size_t point, uint32_t cube) {
+    if (cube == kNoIndex) return false;
+    for (uint32_t i = cubes.first_point[cube]; i < cubes.first_point[cube + 1]; ++i) {
+      const float distance2 = (points->positions[i] - points->positions[point]).squaredNorm();
+      if (i != point && distance2 <= radius * radius) return true;
+    }
+    return false;
+  };
+  std::vector<uint8_t> kept(points->size(), 1);
+  std::size_t dropped = 0;
+  for (uint32_t cube = 0; cube < cubes.grid.size(); ++cube) {
+    for (std::size_t i = cubes.first_point[cube]; i < cubes.first_point[cube + 1]; ++i) {
+      // Two in a cube of half the edge are near enough.
+      const uint64_t half = points->keys[i] >> 3 * (level - 1);
+      if (i > 0 && points->keys[i - 1] >> 3 * (level - 1) == half) continue;
+      if (i + 1 < points->size() && points->keys[i + 1] >> 3 * (level - 1) == half) continue;
+      bool lone = !isNear(i, cube);
+      for (int step = 0; lone && step < 27; ++step) {
+        lone = step == 13 ||
+               !isNear(i, cubes.grid.find(morton::around(cubes.grid.keys()[cube], step)));
+      }
+      if (!lone) continue;
+      kept[i] = 0;
+      if (++dropped > most) return 0;
+    }
+  }
+  if (dropped > 0) keepPoints(kept, points);
+  return dropped;
 }
 
 }  // namespace ladar_perception

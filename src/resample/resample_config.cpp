@@ -17,7 +17,8 @@ void ResampleConfig::addTo(ParamTable* table) {
   table->add("cell_size_m", &cell_size_m, 0.0, 10.0, "m",
              "edge of the finest cells; 0 chooses it from the samples wanted");
   table->add("min_component_points", &min_component_points, 1, 100000, "points",
-             "islands of fewer points, such as mixed pixels, get no samples");
+             "islands of fewer points, such as mixed pixels, get no samples; above 1 nor do lone "
+             "points");
   table->add("nearest_original", &nearest_original,
              "give the original points nearest to the samples, not the samples themselves");
   table->add("threads", &threads, 1, 64, "threads", "results are the same bits for any number");

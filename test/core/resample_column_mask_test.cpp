@@ -51,12 +51,12 @@ TEST(CloseGaps, FillsBetweenLinesUpToTheWidthOfASquare) {
 }
 
 TEST(CloseGaps, LeavesAPlaceOpenThatWasNotSeen) {
-  // Points all around a free place of 9 columns.
+  // Points all around a free place of 10 columns.
   ColumnMask around{};
   for (int v = 0; v < kMaskEdge; ++v) {
     for (int u = 0; u < kMaskEdge; ++u) {
       const double radius = std::hypot(u - 5.5, v - 5.5);
-      if (radius > 4.6) around[static_cast<std::size_t>(v)] |= uint32_t{1} << u;
+      if (radius > 5.2) around[static_cast<std::size_t>(v)] |= uint32_t{1} << u;
     }
   }
   const ColumnMask closed = closeGaps(around);

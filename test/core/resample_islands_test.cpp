@@ -191,5 +191,55 @@ TEST(Islands, AgreeWithFloodingAMap) {
   }
 }
 
+/// By all pairs.
+std::vector<uint32_t> lonePointsOf(const GridPoints& points, float radius) {
+  std::vector<uint32_t> lone;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    bool near = false;
+    for (std::size_t k = 0; k < points.size() && !near; ++k) {
+      const float distance = (points.positions[i] - points.positions[k]).norm();
+      near = k != i && distance <= radius;
+    }
+    if (!near) lone.push_back(points.sources[i]);
+  }
+  return lone;
+}
+
+TEST(LonePoints, AreThoseOfAllPairs) {
+  TestRandom random(5);
+  for (const std::size_t count : {0u, 1u, 2u, 300u, 3000u}) {
+    for (const auto& [level, radius] : {std::pair(1, 1.9F), {2, 3.6F}, {2, 4.0F}, {3, 7.5F}}) {
+      const GridPoints before =
+          sortIntoGrid(test::ball({3.3, 4.4, 5.5}, 30.0, count, &random), test::gridFrame(1.0));
+      const std::vector<uint32_t> lone = lonePointsOf(before, radius);
+      GridPoints after = before;
+      ASSERT_EQ(dropLonePoints(level, radius, before.size(), &after), lone.size());
+      std::vector<uint32_t> dropped;
+      for (std::size_t i = 0, at = 0; i < before.size(); ++i) {
+        if (at < after.size() && after.sources[at] == before.sources[i]) {
+          ASSERT_EQ(after.keys[at], before.keys[i]);
+          ASSERT_EQ(after.positions[at], before.positions[i]);
+          ++at;
+        } else {
+          dropped.push_back(before.sources[i]);
+        }
+      }
+      ASSERT_EQ(dropped, lone) << count << " " << level << " " << radius;
+      // One more than are allowed: all stay.
+      if (lone.empty()) continue;
+      GridPoints all = before;
+      EXPECT_EQ(dropLonePoints(level, radius, lone.size() - 1, &all), 0u);
+      EXPECT_EQ(all.sources, before.sources);
+    }
+  }
+}
+
+TEST(LonePoints, DuplicatesAreNotAlone) {
+  GridPoints points =
+      sortIntoGrid({{0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}, {40.5, 0.5, 0.5}}, test::gridFrame(1.0));
+  EXPECT_EQ(dropLonePoints(2, 3.8F, 3, &points), 1u);
+  EXPECT_EQ(points.sources, (std::vector<uint32_t>{0, 1}));
+}
+
 }  // namespace
 }  // namespace ladar_perception

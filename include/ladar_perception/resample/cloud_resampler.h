@@ -40,6 +40,7 @@ struct ResampledCloud {
   uint64_t cells = 0;
   uint64_t components = 0;          ///< of the crust that were sampled
   uint64_t dropped_components = 0;  ///< too small, or more than samples (the largest were kept)
+  uint64_t lone_points = 0;         ///< in none, as no other is near, and without samples
   double cell_size_m = 0;           ///< of the finest cells
   ResampleTimes times_ms;
 

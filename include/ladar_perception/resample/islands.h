@@ -18,4 +18,9 @@ struct Islands {
 /// samples as the surface of a wall between them.
 Islands dropSmallIslands(int level, std::size_t least_points, std::size_t most, GridPoints* points);
 
+/// Drops the points with no other within `radius` cells, which is at most a cube of 2^level cells
+/// and at least the diagonal of half of one, and returns how many; none if they are more than
+/// `most`: so many are not mixed pixels, but the way that cloud is.
+std::size_t dropLonePoints(int level, float radius, std::size_t most, GridPoints* points);
+
 }  // namespace ladar_perception
