@@ -113,6 +113,40 @@ TEST_P(ResampleTraps, IsolatedPointsGetNoSamples) {
   EXPECT_EQ(with_islands.size(), 4000u);
 }
 
+/// Nearer to a surface they are on its island, but still the farthest places of all.
+TEST_P(ResampleTraps, LonePointsGetNoSamplesUnlessTheyAreMany) {
+  Sheet sheet;
+  sheet.points = 40000;
+  sheet.noise_m = 0.01;
+  const auto above = [&](int count) {
+    PoseCloudData cloud = sheetCloud(sheet);
+    for (int i = 0; i < count; ++i) {
+      // Two and a half spacings over the sheet, as far or farther from one another.
+      cloud.positions_m.emplace_back(0.5 + 0.45 * (i % 20), 0.5 + 0.45 * (i / 20), 0.45);
+    }
+    return cloud;
+  };
+  const auto high = [](const ResampledCloud& samples) {
+    return std::count_if(samples.positions_m.begin(), samples.positions_m.end(),
+                         [](const Eigen::Vector3d& p) { return p.z() > 0.2; });
+  };
+  const ResampledCloud samples = resampled(config(4000), above(100));
+  EXPECT_EQ(samples.size(), 4000u);
+  EXPECT_EQ(samples.lone_points, 100u);
+  EXPECT_EQ(high(samples), 0);
+
+  ResampleConfig all_points = config(4000);
+  all_points.min_component_points = 1;
+  const ResampledCloud with_all = resampled(all_points, above(100));
+  EXPECT_EQ(with_all.lone_points, 0u);
+  EXPECT_EQ(high(with_all), 100);
+
+  // More than one in a hundred.
+  const ResampledCloud many = resampled(config(4000), above(410));
+  EXPECT_EQ(many.lone_points, 0u);
+  EXPECT_GT(high(many), 400);
+}
+
 /// Patches of different sizes; there are samples for the largest only, one for each.
 TEST_P(ResampleTraps, MoreIslandsThanSamplesLeaveOutTheSmallest) {
   constexpr int kPatches = 30;

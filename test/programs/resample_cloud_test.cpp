@@ -102,6 +102,7 @@ TEST(ResampleCloud, MetricsTellWhatTheFilesHold) {
   EXPECT_EQ(json.at("points_in"), 40000);
   EXPECT_EQ(json.at("samples"), 1000);
   EXPECT_EQ(json.at("components"), 1);
+  EXPECT_EQ(json.at("lone_points"), 0);
   EXPECT_GT(json.at("cells").get<int>(), 1000);
   EXPECT_GT(json.at("rss_mb").get<double>(), 1.0);
   double sum_ms = 0.0;
