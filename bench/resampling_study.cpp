@@ -198,7 +198,7 @@ void studyTable(const std::string& folder) {
   const PoseCloudData cloud = scene.poseCloud(classesOfLabels());
   writeRaw(cloud, folder + "/raw.bin");
   const std::string color = "color:target=#d4ccba,softness=60,ratio=16";
-  const std::string classes = "label:floor=0.15,foliage=0.3";
+  const std::string classes = "label:floor=0.1,foliage=0.3";
   json rows = json::array();
   for (const Series& series :
        {Series{"uniform", {}}, Series{"normals", {"normal_variation:mode=inhibit,ratio=16"}},

@@ -39,6 +39,9 @@ constexpr int kIslandLevel = 2;
 // all, if it is one of so few.
 constexpr double kLoneSpacings = 1.7;
 constexpr std::size_t kPointsPerLone = 100;
+// Normals are those of voxels about a spacing wide, in cells: what varies over less, no samples can
+// show, and the noise of fewer points would be taken for it.
+constexpr double kNormalCells = 2.0;
 // A radius that no place is farther from is about this part of the spacing.
 constexpr double kRadiusPerSpacing = 0.85;
 // The cell size, from an estimate of the area, is corrected by the crust's own area if it is off by
@@ -189,7 +192,7 @@ class CloudResampler::Impl {
     if (policies_.empty()) return {};
     if (std::any_of(policies_.begin(), policies_.end(),
                     [](const auto& policy) { return policy->needsNormals(); })) {
-      const double cell_m = firstCell(points.positions_m, {});
+      const double cell_m = kNormalCells * firstCell(points.positions_m, {});
       const GridPoints grid =
           sortIntoGrid(points.positions_m, frameFor(points.positions_m, cell_m));
       const VoxelPyramid pyramid(grid, {}, kBridgeLevels + 1);
