@@ -25,12 +25,21 @@ struct NearCells {
   std::array<uint8_t, 64> count{};
 
   constexpr NearCells() {
+    // By axis, coordinate and brick: few, so that compilers do not give up on the table.
+    std::array<std::array<std::array<uint64_t, 3>, 4>, 3> along{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (std::size_t coordinate = 0; coordinate < 4; ++coordinate) {
+        for (std::size_t side = 0; side < 3; ++side) {
+          along[axis][coordinate][side] =
+              near(axis, static_cast<int>(coordinate), static_cast<int>(side) - 1);
+        }
+      }
+    }
     for (std::size_t bit = 0; bit < 64; ++bit) {
       for (uint32_t direction = 0; direction < 27; ++direction) {
-        const auto d = static_cast<int>(direction);
-        const uint64_t mask = near(0, morton::x(bit), d % 3 - 1) &
-                              near(1, morton::y(bit), d / 3 % 3 - 1) &
-                              near(2, morton::z(bit), d / 9 - 1);
+        const uint64_t mask = along[0][morton::x(bit)][direction % 3] &
+                              along[1][morton::y(bit)][direction / 3 % 3] &
+                              along[2][morton::z(bit)][direction / 9];
         if (mask != 0) sides[bit][count[bit]++] = {mask, direction};
       }
     }
@@ -38,11 +47,10 @@ struct NearCells {
 
  private:
   /// Of the brick `side` bricks on: cells whose coordinate is near to the one of a cell here.
-  static constexpr uint64_t near(int axis, uint32_t coordinate, int side) {
+  static constexpr uint64_t near(std::size_t axis, int coordinate, int side) {
     uint64_t mask = 0;
-    for (int bit = 0; bit < 64; ++bit) {
-      const auto there = static_cast<int>(morton::compact(static_cast<uint64_t>(bit) >> axis));
-      const int steps = there + 4 * side - static_cast<int>(coordinate);
+    for (uint64_t bit = 0; bit < 64; ++bit) {
+      const int steps = static_cast<int>(morton::compact(bit >> axis)) + 4 * side - coordinate;
       if (-kReach <= steps && steps <= kReach) mask |= uint64_t{1} << bit;
     }
     return mask;
