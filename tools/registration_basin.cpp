@@ -110,7 +110,6 @@ class BasinRun {
         throw std::runtime_error(std::string("--methods: ") + error.what());
       }
     }
-    prepareFolder();
     a_ = readBasinCloud(options.cloud_a, Eigen::Vector3d(options.sensor_a.data()));
     b_ = readBasinCloud(options.cloud_b, Eigen::Vector3d(options.sensor_b.data()));
     registrar_ = makePclRegistrar(options.solver, options.registration.initial_radius_m);
@@ -129,6 +128,7 @@ class BasinRun {
     report_.options = options_.starts;
     report_.starts = makeStarts(options_.starts);
     findTruth();
+    prepareFolder();  // not before: what cannot be read leaves none
     for (const std::string& method : methods_) runMethod(method);
     const std::string path = options_.out + "/basin.json";
     std::ofstream file(path, std::ios::binary);

@@ -232,7 +232,7 @@ TEST(SurfelCrust, RingsOfASpinningLadarOnTheGroundAreBridged) {
     ASSERT_NEAR(0.3F * crust.positions[i].z(), 0.0F, 0.1F);
     const double radius = 0.3 * crust.positions[i].head<2>().norm();
     ASSERT_GT(radius, radii.front() - 1.8);
-    ASSERT_LT(radius, radii.back() + 1.8);
+    ASSERT_LT(radius, radii.back() + 1.2);
     if (radius < radii.front() + 0.5 || radius > radii.back() - 0.5) continue;
     ASSERT_GT(crust.normals[i].z(), 0.95F);
   }

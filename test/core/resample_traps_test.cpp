@@ -210,7 +210,7 @@ TEST_P(ResampleTraps, SparseRingsStayOnTheGround) {
   for (const Eigen::Vector3d& p : samples.positions_m) {
     if (std::abs(p.z()) > 0.05) ++off_ground;
     // The nearest ring; pieces of the largest voxels, sixteen cells wide, end beyond their points.
-    EXPECT_GT(p.head<2>().norm(), 6.7 - 9.0 * samples.cell_size_m);
+    EXPECT_GT(p.head<2>().norm(), 6.7 - 7.5 * samples.cell_size_m);
   }
   EXPECT_EQ(off_ground, 0);
   // All rings are covered.

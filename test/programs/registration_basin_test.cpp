@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include "program_run.h"
 #include "register_scenes.h"
@@ -126,7 +127,6 @@ TEST_F(RegistrationBasin, RunsEverySolver) {
 TEST_F(RegistrationBasin, RefusesWhatItCannotUse) {
   expectFailure(basin({"--methods", "random,magic"}),
                 {"--methods", "magic", "voxel_grid", "range"});
-  expectFailure(basin({"--methods", "label:surface=0.2", "--truth", truth_}), {"label"});
   expectFailure(basin({"--solver", "magic"}), {"--solver", "magic", "annealed"});
   expectFailure(basin({"--count", "0"}), {"--count"});
   const std::string words = folder_.write("words.txt", "1 0 0 0\n0 one 0 0\n0 0 1 0\n0 0 0 1\n");
@@ -144,6 +144,8 @@ TEST_F(RegistrationBasin, RefusesWhatItCannotUse) {
   const std::string empty = folder_.write("empty.xyz", "nan 1 2\n0 0 0\n");
   expectFailure(runProgram("registration_basin", {empty, b_, "--count", "10", "--out", out_}),
                 {empty, "no finite point"});
+  EXPECT_FALSE(std::filesystem::exists(out_));
+  expectFailure(basin({"--methods", "label:surface=0.2", "--truth", truth_}), {"label"});
   expectFailure(runProgram("registration_basin", {a_, b_, "--count", "10", "--out", truth_}),
                 {truth_, "folder"});
 }
