@@ -56,7 +56,7 @@ class NearOwners {
 };
 
 /// Circumcentre of three places, in a plane through the origin with that normal; false if they are
-/// in a line.
+/// in a line there, or two of them in one place.
 bool circumcenter(const std::array<Eigen::Vector3f, 3>& p, const Eigen::Vector3f& normal,
                   Eigen::Vector3f* center) {
   const auto onPlane = [&](const Eigen::Vector3f& q) -> Eigen::Vector3f {
@@ -68,7 +68,8 @@ bool circumcenter(const std::array<Eigen::Vector3f, 3>& p, const Eigen::Vector3f
   const float area = b.cross(c).dot(normal);
   const float b2 = b.squaredNorm();
   const float c2 = c.squaredNorm();
-  if (area * area < 1e-3F * b2 * c2) return false;
+  // Equal, too: of two places one above the other both sides are zero.
+  if (area * area <= 1e-3F * b2 * c2) return false;
   *center = a + (b2 * c - c2 * b).cross(b.cross(c)) / (2.0F * area * area);
   return true;
 }

@@ -45,6 +45,22 @@ TEST_F(ResampleVoronoiVertex, IsTheCellItselfBetweenTwoSamples) {
   EXPECT_NEAR(vertex.time, 5.0F, 0.01F);
 }
 
+/// As on two sheets, where they are the same in the plane of the cell.
+TEST_F(ResampleVoronoiVertex, IsTheCellItselfWhereTwoSamplesLieOneAboveTheOther) {
+  sampleAt(10, 4);
+  const uint32_t cell = cellNear(crust_, Eigen::Vector3d(10, 10, 0));
+  const auto ownedBy = [&](uint32_t owner, const Eigen::Vector3f& p, uint32_t owned) {
+    field_.samples[owner] = {p.x(), p.y(), p.z(), 1.0F};
+    field_.arrivals[owned].owner = owner;
+  };
+  const uint32_t first = crust_.first_neighbor[cell];
+  ownedBy(0, {10, 4, 3}, crust_.neighbors[first]);
+  ownedBy(1, {18, 13, 0}, crust_.neighbors[first + 1]);
+  const VoronoiVertex vertex = findVertex(field_, cell);
+  EXPECT_EQ(vertex.position, Eigen::Vector3f(10, 10, 0));
+  EXPECT_EQ(vertex.time, field_.arrivals[cell].time);
+}
+
 TEST_F(ResampleVoronoiVertex, StaysNearItsCellAndIsNeverEarlier) {
   sampleAt(3.2F, 4);
   sampleAt(15, 5.1F);
