@@ -3,6 +3,8 @@
 //   resample/<method>/<cloud>          all that take less than about a second
 //   resample_slow/<method>/<cloud>     farthest points by PCL and Open3D, once: minutes in all
 //   growth/<engine>/n:<points>/N:<samples>
+//   extend/<engine>/<part>/<cloud>     a sixtieth of the points come last: all in one sector, or
+//                                      from everywhere; or the whole cloud at once
 // Clouds are named by their points; see pose_clouds.h. Times are CPU times of the process where a
 // method has one thread. Counters: cov and min_over_mean of the distances to the nearest sample,
 // of all and of those that are not alone (connected_), cover_p99 of the cloud's points over the
@@ -11,6 +13,7 @@
 #include <benchmark/benchmark.h>
 #include <malloc.h>
 
+#include <cmath>
 #include <fstream>
 #include <functional>
 #include <map>
@@ -98,6 +101,7 @@ void measure(benchmark::State& state, const Variant& variant) {
   PeakMemory::reset();
   const double before_mb = PeakMemory::megabytes();
   for (auto _ : state) {
+    if (method.prepare) method.prepare();
     const Stopwatch stopwatch;
     method.run();
     const double ns = variant.threads == 1 ? stopwatch.cpu_ns() : stopwatch.wall_ns();
@@ -167,11 +171,49 @@ void addGrowth(const std::string& engine, int thousands, int samples, std::vecto
        [=](const PoseCloudData& cloud) { return ours(engine, "uniform", 1, samples, cloud); }});
 }
 
+/// Whether the i-th point, at `p`, is of a sixtieth of them.
+using IsLast = bool (*)(std::size_t i, const Eigen::Vector3d& p);
+
+void addExtension(const Case& from, const std::string& engine, std::vector<Variant>* all) {
+  struct Part {
+    const char* name;
+    IsLast is_last;
+  };
+  constexpr std::size_t kParts = 60;
+  for (const Part& part :
+       {Part{"sector",
+             [](std::size_t, const Eigen::Vector3d&p) {
+               return std::abs(std::atan2(p.y(), p.x())) < M_PI / kParts;
+             }},
+        Part{"everywhere", [](std::size_t i, const Eigen::Vector3d&) { return i % kParts == 0; }},
+        Part{"whole", nullptr}}) {
+    all->push_back({std::string("extend/") + engine + "/" + part.name + "/" + from.name, from,
+                    [=, is_last = part.is_last](const PoseCloudData& cloud) {
+                      ResampleConfig config;
+                      config.engine = engine;
+                      config.count = from.samples;
+                      // A count would be one of more samples than there are.
+                      const ResampledCloud samples = CloudResampler(config).resample(cloud);
+                      config.count = 0;
+                      config.radius_m = double{samples.covering_radii.back()};
+                      if (is_last == nullptr) return ourSampling(config, {}, cloud);
+                      PoseCloudData first;
+                      PoseCloudData last;
+                      for (std::size_t i = 0; i < cloud.positions_m.size(); ++i) {
+                        const Eigen::Vector3d& p = cloud.positions_m[i];
+                        (is_last(i, p) ? last : first).positions_m.push_back(p);
+                      }
+                      return ourExtension(config, first, last);
+                    }});
+  }
+}
+
 std::vector<Variant> variants() {
   std::vector<Variant> all;
   for (const Case& from : cases()) {
     addOurs(from, &all);
     addOthers(from, &all);
+    for (const std::string engine : {"fast_marching", "flood"}) addExtension(from, engine, &all);
   }
   for (const std::string engine : {"fast_marching", "flood"}) {
     for (int thousands = 25; thousands <= 1600; thousands *= 2) {

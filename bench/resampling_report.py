@@ -51,6 +51,16 @@ wall clock's, as far as the machine had two CPUs to give.
 
 """
 
+EXTEND = """## More points for a cloud that is there, ms
+
+`extend` with a sixtieth of the points, which are all in one sector of six degrees as seen from the
+sensor, or come from everywhere in the cloud; and the whole cloud re-sampled at once, to the same
+radius. One thread.
+
+{table}
+
+"""
+
 QUALITY = """## Evenness
 
 Of the distances from samples to their nearest neighbours: coefficient of variation, and the least over
@@ -113,6 +123,16 @@ def policy_rows(runs, clouds):
             one, two = run_of(runs, ours, cloud), run_of(runs, ours + "_2_threads", cloud)
             speedups.append(number(one["real_time"] / two["real_time"] if one and two else None, 2))
         rows.append((f"two threads over one, `{ours}`", speedups))
+    return rows
+
+
+def extend_rows(runs, clouds):
+    rows = []
+    for ours in OURS:
+        for part in ("sector", "everywhere", "whole"):
+            found = [runs.get(f"extend/{ours}/{part}/{cloud}") for cloud in clouds]
+            rows.append((f"`{ours}`, {part}",
+                         [number(run["real_time"] if run else None, 1) for run in found]))
     return rows
 
 
@@ -184,6 +204,7 @@ def main():
     parts.append(TIMES.format(table=table("method", clouds, times),
                               ratios=table("", clouds, ratio_rows(runs, clouds))))
     parts.append(THREADS.format(table=table("variant", clouds, policy_rows(runs, clouds))))
+    parts.append(EXTEND.format(table=table("points", clouds, extend_rows(runs, clouds))))
     parts.append(QUALITY.format(tables=quality_tables(runs, clouds)))
     memory = [(f"`{method}`", cells(runs, method, clouds, "memory_mb", 1))
               for method in OURS + RIVALS]

@@ -9,18 +9,31 @@
 
 namespace ladar_perception::bench {
 
+namespace {
+
+std::map<std::string, double> stagesOf(const ResampledCloud& samples) {
+  const ResampleTimes& times = samples.times_ms;
+  return {{"ms_voxels", times.voxels},   {"ms_attributes", times.attributes},
+          {"ms_crust", times.crust},     {"ms_fronts", times.fronts},
+          {"ms_samples", times.samples}, {"cells", static_cast<double>(samples.cells)}};
+}
+
+}  // namespace
+
 SamplingMethod ourSampling(const ResampleConfig& config, const Policies& policies,
                            const PoseCloudData& cloud) {
   auto resampler = std::make_shared<CloudResampler>(config);
   auto samples = std::make_shared<ResampledCloud>();
   return {[=, &cloud] { *samples = resampler->resample(cloud, policies); },
-          [=] { return samples->positions_m; },
-          [=]() -> std::map<std::string, double> {
-            const ResampleTimes& times = samples->times_ms;
-            return {{"ms_voxels", times.voxels},   {"ms_attributes", times.attributes},
-                    {"ms_crust", times.crust},     {"ms_fronts", times.fronts},
-                    {"ms_samples", times.samples}, {"cells", static_cast<double>(samples->cells)}};
-          }};
+          [=] { return samples->positions_m; }, [=] { return stagesOf(*samples); }};
+}
+
+SamplingMethod ourExtension(const ResampleConfig& config, const PoseCloudData& first,
+                            const PoseCloudData& more) {
+  auto resampler = std::make_shared<CloudResampler>(config);
+  auto samples = std::make_shared<ResampledCloud>();
+  return {[=] { *samples = resampler->extend(more); }, [=] { return samples->positions_m; },
+          [=] { return stagesOf(*samples); }, [=] { resampler->resample(first, {}, true); }};
 }
 
 SamplingMethod randomSampling(const Points& points, std::size_t count) {

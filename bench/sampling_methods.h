@@ -21,11 +21,15 @@ struct SamplingMethod {
   std::function<Points()> result;  ///< of the last run
   /// Cells and milliseconds by stage of the last run, of methods that tell.
   std::function<std::map<std::string, double>()> stages = {};
+  std::function<void()> prepare = {};  ///< before every run, and not timed
 };
 
 /// Ours. `cloud` must outlive the method.
 SamplingMethod ourSampling(const ResampleConfig& config, const Policies& policies,
                            const PoseCloudData& cloud);
+/// Ours, of the last of two clouds, which are one: the first has been re-sampled.
+SamplingMethod ourExtension(const ResampleConfig& config, const PoseCloudData& first,
+                            const PoseCloudData& more);
 /// Points at random: the least that can be done.
 SamplingMethod randomSampling(const Points& points, std::size_t count);
 /// Farthest points of the raw cloud, exactly as PCL and Open3D choose them from their first point,

@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "ladar_perception/resample/morton.h"
 #include "ladar_perception/resample/parallel.h"
-#include "ladar_perception/resample/radix_sort.h"
 
 namespace ladar_perception {
 namespace {
@@ -299,38 +299,86 @@ std::vector<KeyedIndex> assignToTiles(const std::vector<CellRange>& ranges, int 
   return entries;
 }
 
+std::vector<BlendMemory::Tile> tilesOf(const std::vector<KeyedIndex>& entries) {
+  std::vector<BlendMemory::Tile> tiles;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (i == 0 || entries[i].key != entries[i - 1].key) tiles.push_back({entries[i].key, i, 0});
+  }
+  tiles.push_back({~uint64_t{0}, entries.size(), 0});
+  return tiles;
+}
+
+/// For every tile of `now` the one of `before` that the same pieces reach, or nullptr.
+std::vector<const BlendMemory::Tile*> sameTiles(const BlendMemory& now, const BlendMemory& before) {
+  std::vector<const BlendMemory::Tile*> same(now.tiles.size(), nullptr);
+  if (before.tiles.empty()) return same;
+  const BlendMemory::Tile* old = before.tiles.data();
+  for (std::size_t i = 0; i + 1 < now.tiles.size(); ++i) {
+    while (old->key < now.tiles[i].key) ++old;
+    if (old->key != now.tiles[i].key) continue;
+    const auto first = now.entries.begin() + static_cast<std::ptrdiff_t>(now.tiles[i].first_entry);
+    const auto last =
+        now.entries.begin() + static_cast<std::ptrdiff_t>(now.tiles[i + 1].first_entry);
+    const auto old_first = before.entries.begin() + static_cast<std::ptrdiff_t>(old->first_entry);
+    const auto old_last = before.entries.begin() + static_cast<std::ptrdiff_t>(old[1].first_entry);
+    if (std::equal(first, last, old_first, old_last, [&](const KeyedIndex& a, const KeyedIndex& b) {
+          return now.pieces[a.index] == before.pieces[b.index];
+        })) {
+      same[i] = old;
+    }
+  }
+  return same;
+}
+
 }  // namespace
 
-std::vector<Surfel> blendSurface(const std::vector<SurfaceFit>& pieces, int level,
-                                 ThreadPool* pool) {
+void blendSurface(std::vector<SurfaceFit> pieces, int level, ThreadPool* pool,
+                  BlendMemory* memory) {
   const auto edge = static_cast<float>(1 << level);
   const int origin_cell = static_cast<int>(GridFrame::kOriginCell) >> level;
-  std::vector<CellRange> ranges(pieces.size());
-  for (std::size_t i = 0; i < pieces.size(); ++i) ranges[i] = cellsOf(pieces[i], edge);
-  const std::vector<KeyedIndex> entries = assignToTiles(ranges, origin_cell);
-  std::vector<std::size_t> firsts;
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    if (i == 0 || entries[i].key != entries[i - 1].key) firsts.push_back(i);
-  }
-  firsts.push_back(entries.size());
+  const BlendMemory before = std::move(*memory);
+  BlendMemory now;
+  now.pieces = std::move(pieces);
+  std::vector<CellRange> ranges(now.pieces.size());
+  for (std::size_t i = 0; i < ranges.size(); ++i) ranges[i] = cellsOf(now.pieces[i], edge);
+  now.entries = assignToTiles(ranges, origin_cell);
+  now.tiles = tilesOf(now.entries);
+  const std::vector<const BlendMemory::Tile*> same = sameTiles(now, before);
   // Runs of tiles give runs of surfels, whoever works on them.
   constexpr std::size_t kRun = 8;
-  const std::size_t tiles = firsts.size() - 1;
+  const std::size_t tiles = now.tiles.size() - 1;
   std::vector<std::vector<Surfel>> runs((tiles + kRun - 1) / kRun);
-  parallelFor(pool, runs.size(), 1, [&](std::size_t begin, std::size_t end) {
-    TileGrid grid;
-    for (std::size_t tile = begin * kRun; tile < std::min(end * kRun, tiles); ++tile) {
-      const uint64_t key = entries[firsts[tile]].key;
-      grid.begin(key, origin_cell);
-      for (std::size_t i = firsts[tile]; i < firsts[tile + 1]; ++i) {
-        grid.blend(pieces[entries[i].index], ranges[entries[i].index], edge);
+  parallelForWith<TileGrid>(pool, runs.size(), [&](TileGrid* grid, std::size_t run) {
+    std::vector<Surfel>& surfels = runs[run];
+    for (std::size_t i = run * kRun; i < std::min((run + 1) * kRun, tiles); ++i) {
+      BlendMemory::Tile& tile = now.tiles[i];
+      tile.first_surfel = surfels.size();  // in the run
+      if (same[i] != nullptr) {
+        const Surfel* from = before.surfels.data();
+        surfels.insert(surfels.end(), from + same[i][0].first_surfel,
+                       from + same[i][1].first_surfel);
+        continue;
       }
-      grid.finish(key, edge, &runs[tile / kRun]);
+      grid->begin(tile.key, origin_cell);
+      for (std::size_t k = tile.first_entry; k < now.tiles[i + 1].first_entry; ++k) {
+        const uint32_t piece = now.entries[k].index;
+        grid->blend(now.pieces[piece], ranges[piece], edge);
+      }
+      grid->finish(tile.key, edge, &surfels);
     }
   });
-  std::vector<Surfel> surfels;
-  for (const std::vector<Surfel>& run : runs) surfels.insert(surfels.end(), run.begin(), run.end());
-  return surfels;
+  for (std::size_t i = 0; i < tiles; ++i) {
+    if (i % kRun == 0 && i > 0) {
+      const std::vector<Surfel>& done = runs[i / kRun - 1];
+      now.surfels.insert(now.surfels.end(), done.begin(), done.end());
+    }
+    now.tiles[i].first_surfel += now.surfels.size();
+  }
+  if (tiles > 0) {
+    now.surfels.insert(now.surfels.end(), runs.back().begin(), runs.back().end());
+  }
+  now.tiles.back().first_surfel = now.surfels.size();
+  *memory = std::move(now);
 }
 
 }  // namespace ladar_perception

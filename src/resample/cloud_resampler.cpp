@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "ladar_perception/resample/area_estimate.h"
+#include "ladar_perception/resample/carried_fronts.h"
 #include "ladar_perception/resample/crust.h"
 #include "ladar_perception/resample/farthest_points.h"
 #include "ladar_perception/resample/fronts.h"
@@ -111,7 +112,7 @@ class CloudResampler::Impl {
  public:
   explicit Impl(const ResampleConfig& config) : config_(config), pool_(config.threads) {}
 
-  ResampledCloud resample(const PoseCloudData& cloud, const Policies& policies) {
+  ResampledCloud resample(const PoseCloudData& cloud, const Policies& policies, bool more_to_come) {
     begin_ = Clock::now();
     result_ = ResampledCloud();
     policies_ = policies;
@@ -119,7 +120,10 @@ class CloudResampler::Impl {
     kept_.clear();
     points_in_ = 0;
     set_ = SampleSet();
-    crust_ = Crust();
+    crust_.reset();
+    field_.reset();
+    memory_ = CrustMemory();
+    remembers_ = more_to_come;
     takePoints(cloud);
     return sampleAnew(cloud.sensor_m);
   }
@@ -131,12 +135,12 @@ class CloudResampler::Impl {
     takePoints(more);
     if (before == 0) return sampleAnew(more.sensor_m);
     extendWeights(before);
-    const Crust old = std::move(crust_);
-    makeCrust(old.frame);
-    moveSamples(old);
-    if (goal_.count > 0) goal_.count = set_.size() + static_cast<std::size_t>(config_.count);
+    remembers_ = true;
+    const std::unique_ptr<const Crust> old = std::move(crust_);
+    if (!field_) field_.emplace(*old);
+    makeCrust(old->frame, true);
     goal_.deadline = deadline();
-    chooseSamples();
+    chooseSamples(true);
     write(set_, unit());
     result_.times_ms.total = millisecondsSince(begin_);
     return std::move(result_);
@@ -150,15 +154,13 @@ class CloudResampler::Impl {
       normalizeWeights();
       double cell_m = buildCrust();
       goal_ = makeGoal();
-      chooseSamples();
+      chooseSamples(false);
       for (int attempt = 0; attempt < kFinerAttempts && tooFew(); ++attempt) {
         cell_m *= kFiner;
-        makeCrust(frameFor(points_.positions_m, cell_m));
+        makeCrust(frameFor(points_.positions_m, cell_m), false);
         goal_ = makeGoal();
-        set_ = SampleSet();
-        chooseSamples();
+        chooseSamples(false);
       }
-      const Stopwatch watch(&result_.times_ms.samples);
       write(set_, unit());
     }
     result_.times_ms.total = millisecondsSince(begin_);
@@ -305,7 +307,7 @@ class CloudResampler::Impl {
       cell_m = firstCell(points_.positions_m, weights_);
     }
     for (int attempt = 0;; ++attempt) {
-      makeCrust(frameFor(points_.positions_m, cell_m));
+      makeCrust(frameFor(points_.positions_m, cell_m), false);
       if (config_.cell_size_m > 0.0 || attempt == 2) return cell_m;
       // By the faces: what counts is how many cells there are, and at a slant they are farther
       // apart.
@@ -319,14 +321,15 @@ class CloudResampler::Impl {
   /// surface in them, which is larger at a slant.
   double weightedArea(bool of_surface) const {
     double cells = 0.0;
-    for (std::size_t i = 0; i < crust_.size(); ++i) {
-      const double face = double{crust_.edge(i)} * crust_.edge(i) * crust_.weight(i);
-      cells += of_surface ? face / crust_.normals[i].cwiseAbs().maxCoeff() : face;
+    for (std::size_t i = 0; i < crust_->size(); ++i) {
+      const double face = double{crust_->edge(i)} * crust_->edge(i) * crust_->weight(i);
+      cells += of_surface ? face / crust_->normals[i].cwiseAbs().maxCoeff() : face;
     }
-    return cells * crust_.frame.cell_m * crust_.frame.cell_m;
+    return cells * crust_->frame.cell_m * crust_->frame.cell_m;
   }
 
-  void makeCrust(const GridFrame& frame) {
+  /// `extends`: the frame is that of the last crust, and its points are among these.
+  void makeCrust(const GridFrame& frame, bool extends) {
     {
       const Stopwatch watch(&result_.times_ms.voxels);
       grid_ = sortIntoGrid(points_.positions_m, frame);
@@ -344,14 +347,25 @@ class CloudResampler::Impl {
       }
       cell_levels_.clear();
       if (coarsest > 0) wantLevels();
-      pyramid_.emplace(grid_, weights_, kBridgeLevels + 1 + coarsest);
+      VoxelPyramid pyramid(grid_, weights_, kBridgeLevels + 1 + coarsest);
+      unchanged_.clear();
+      if (extends) {
+        for (int level = 0; level < std::min(pyramid.levels(), pyramid_->levels()); ++level) {
+          unchanged_.push_back(unchangedBricks(pyramid.level(level), pyramid_->level(level)));
+        }
+      } else {
+        memory_ = CrustMemory();
+      }
+      pyramid_ = std::move(pyramid);
       if (!cell_levels_.empty()) groupLevels();
     }
     const Stopwatch watch(&result_.times_ms.crust);
     const Eigen::Vector3f sensor = sensorIn(grid_.frame);
-    crust_ = config_.crust == "surfels"
-                 ? makeSurfelCrust(*pyramid_, grid_.frame, cell_levels_, sensor, &pool_)
-                 : makeEllipsoidCrust(grid_, weights_, kEllipsoidNeighbors, sensor, &pool_);
+    Crust crust = config_.crust == "surfels"
+                      ? makeSurfelCrust(*pyramid_, grid_.frame, cell_levels_, sensor, &pool_,
+                                        unchanged_, remembers_ ? &memory_ : nullptr)
+                      : makeEllipsoidCrust(grid_, weights_, kEllipsoidNeighbors, sensor, &pool_);
+    crust_ = std::make_unique<const Crust>(std::move(crust));
   }
 
   /// The size of cells for a weight: the spacing of a place is weight^(-1/2) of the densest's, and
@@ -382,7 +396,7 @@ class CloudResampler::Impl {
   }
 
   /// m, or arrival time of as many units of weight 1.
-  double unit() const { return crust_.frame.cell_m * std::sqrt(greatest_weight_); }
+  double unit() const { return crust_->frame.cell_m * std::sqrt(greatest_weight_); }
 
   Clock::time_point deadline() const {
     if (config_.time_budget_s == 0.0) return Clock::time_point::max();
@@ -395,60 +409,41 @@ class CloudResampler::Impl {
     goal.count = static_cast<std::size_t>(config_.count);
     goal.radius = static_cast<float>(config_.radius_m / unit());
     goal.deadline = deadline();
-    const auto spacing = static_cast<float>(spacingFor(weightedArea(true)) / crust_.frame.cell_m);
+    const auto spacing = static_cast<float>(spacingFor(weightedArea(true)) / crust_->frame.cell_m);
     goal.first_radius = std::max(kFirstRadiusPerSpacing * spacing, 1.0F);
     return goal;
   }
 
-  void chooseSamples() {
-    result_.cells = crust_.size();
-    result_.cell_size_m = crust_.frame.cell_m;
-    {
-      const Stopwatch watch(&result_.times_ms.fronts);
-      FrontField field(crust_);
-      set_ = config_.engine == "flood"
-                 ? chooseFarthestPoints<Flood>(&field, goal_, &pool_, set_)
-                 : chooseFarthestPoints<FastMarching>(&field, goal_, &pool_, set_);
+  /// `more`: those that are there stay.
+  void chooseSamples(bool more) {
+    result_.cells = crust_->size();
+    result_.cell_size_m = crust_->frame.cell_m;
+    const Stopwatch watch(&result_.times_ms.fronts);
+    if (config_.engine == "flood") {
+      chooseSamplesBy<Flood>(more);
+    } else {
+      chooseSamplesBy<FastMarching>(more);
     }
   }
 
-  /// Finds the cells of a new crust in which the samples lie. Those that lost their cell, because
-  /// the surface was found to be elsewhere, are left where they are if a cell is near, else given
-  /// up.
-  void moveSamples(const Crust& old) {
-    SparseGrid cells;
-    cells.assign(crust_.keys);
-    std::vector<uint8_t> taken(crust_.size(), 0);
-    SampleSet moved;
-    for (std::size_t i = 0; i < set_.size(); ++i) {
-      const uint32_t cell =
-          nearestFreeCell(cells, old.keys[set_.cells[i]], set_.positions[i], taken);
-      if (cell == kNoIndex) continue;
-      taken[cell] = 1;
-      moved.cells.push_back(cell);
-      moved.positions.push_back(set_.positions[i]);
-      moved.covering.push_back(std::max(set_.covering[i], goal_.first_radius));
-    }
-    set_ = std::move(moved);
-  }
-
-  uint32_t nearestFreeCell(const SparseGrid& cells, uint64_t key, const Eigen::Vector3f& position,
-                           const std::vector<uint8_t>& taken) const {
-    uint32_t nearest = kNoIndex;
-    float least = std::numeric_limits<float>::infinity();
-    for (int step = 0; step < 27; ++step) {
-      const uint32_t cell = cells.find(morton::around(key, step));
-      if (cell == kNoIndex || taken[cell] != 0) continue;
-      const float distance = (crust_.positions[cell] - position).squaredNorm();
-      if (distance < least) {
-        least = distance;
-        nearest = cell;
+  template <typename Metric>
+  void chooseSamplesBy(bool more) {
+    FrontField field(*crust_);
+    EarlierSamples before;
+    if (more) {
+      field.reset(goal_.first_radius);
+      before = carryFronts<Metric>(*field_, set_, &field);
+      if (goal_.count > 0) {
+        goal_.count = before.set.size() + static_cast<std::size_t>(config_.count);
       }
     }
-    return nearest;
+    set_ = chooseFarthestPoints<Metric>(&field, goal_, &pool_, before);
+    field_.reset();
+    if (remembers_) field_ = std::move(field);
   }
 
   void write(const SampleSet& set, double unit_m) {
+    const Stopwatch watch(&result_.times_ms.samples);
     const std::vector<uint32_t> nearest = nearestOf(set);
     result_.positions_m.reserve(set.size());
     result_.normals.reserve(set.size());
@@ -460,17 +455,17 @@ class CloudResampler::Impl {
       const uint32_t cell = set.cells[i];
       result_.positions_m.push_back(config_.nearest_original
                                         ? points_.positions_m[source]
-                                        : crust_.frame.toMetres(set.positions[i]));
-      result_.normals.push_back(crust_.normals[cell]);
+                                        : crust_->frame.toMetres(set.positions[i]));
+      result_.normals.push_back(crust_->normals[cell]);
       result_.sources.push_back(kept_[source]);
       result_.covering_radii.push_back(static_cast<float>(set.covering[i] * unit_m));
-      result_.weights.push_back(static_cast<float>(crust_.weight(cell) * greatest_weight_));
+      result_.weights.push_back(static_cast<float>(crust_->weight(cell) * greatest_weight_));
     }
   }
 
   /// The nearest point of every sample, looked for in the order of the cells.
   std::vector<uint32_t> nearestOf(const SampleSet& set) {
-    std::vector<uint32_t> sample_of_cell(crust_.size(), kNoIndex);
+    std::vector<uint32_t> sample_of_cell(crust_->size(), kNoIndex);
     for (std::size_t i = 0; i < set.size(); ++i) {
       sample_of_cell[set.cells[i]] = static_cast<uint32_t>(i);
     }
@@ -500,7 +495,11 @@ class CloudResampler::Impl {
   GridPoints grid_;
   std::optional<VoxelPyramid> pyramid_;
   std::vector<uint8_t> cell_levels_;
-  Crust crust_;
+  std::vector<std::vector<uint32_t>> unchanged_;  // bricks by level, since the crust before
+  bool remembers_ = false;                        // for extend(), in memory_ and field_
+  CrustMemory memory_;
+  std::unique_ptr<const Crust> crust_;
+  std::optional<FrontField> field_;  // on it
   FarthestPointsGoal goal_;
   SampleSet set_;
 };
@@ -514,8 +513,9 @@ CloudResampler::~CloudResampler() = default;
 CloudResampler::CloudResampler(CloudResampler&&) noexcept = default;
 CloudResampler& CloudResampler::operator=(CloudResampler&&) noexcept = default;
 
-ResampledCloud CloudResampler::resample(const PoseCloudData& cloud, const Policies& policies) {
-  return impl_->resample(cloud, policies);
+ResampledCloud CloudResampler::resample(const PoseCloudData& cloud, const Policies& policies,
+                                        bool more_to_come) {
+  return impl_->resample(cloud, policies, more_to_come);
 }
 
 ResampledCloud CloudResampler::extend(const PoseCloudData& more) { return impl_->extend(more); }

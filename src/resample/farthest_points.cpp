@@ -87,14 +87,12 @@ class Chooser {
     }
   }
 
-  SampleSet run(const SampleSet& before) {
-    field_->reset(goal_.first_radius);
-    set_ = before;
-    for (std::size_t i = 0; i < before.size(); ++i) {
-      insert(&fronts_[0], before.cells[i], before.positions[i]);
-    }
+  SampleSet run(const EarlierSamples& before) {
+    set_ = before.set;
+    if (set_.size() == 0) field_->reset(goal_.first_radius);
+    for (const uint32_t cell : set_.cells) take(cell);
     start();
-    orderStart();
+    orderStart(before.new_cells);
     float radius = goal_.first_radius;
     while (!done(radius)) {
       radius = nextRadius(radius);
@@ -112,6 +110,10 @@ class Chooser {
  private:
   void insert(Fronts<Metric>* fronts, uint32_t cell, const Eigen::Vector3f& position) {
     fronts->insert(cell, position);
+    take(cell);
+  }
+
+  void take(uint32_t cell) {
     taken_.add(cell);
     bounds_[cell] = 0.0F;  // never again
   }
@@ -150,8 +152,9 @@ class Chooser {
     });
   }
 
-  /// The start's samples, farthest first, with the vertices between them as witnesses.
-  void orderStart() {
+  /// The start's samples, farthest first, with cells between them as witnesses: after others, those
+  /// that are new.
+  void orderStart(const std::vector<uint32_t>& new_cells) {
     std::vector<WeightedPlace> places;
     std::vector<uint32_t> cells;
     for (const std::vector<Choice>& choices : chosen_) {
@@ -159,9 +162,11 @@ class Chooser {
     }
     std::sort(cells.begin(), cells.end());
     for (const uint32_t cell : cells) places.push_back(placeOf(cell));
+    const std::size_t size_of_new = set_.size() == 0 ? field_->crust->size() : new_cells.size();
     std::vector<WeightedPlace> witnesses;
-    witnesses.reserve(field_->crust->size() / kWitnessStride + 1);
-    for (std::size_t cell = 0; cell < field_->crust->size(); cell += kWitnessStride) {
+    witnesses.reserve(size_of_new / kWitnessStride + 1);
+    for (std::size_t i = 0; i < size_of_new; i += kWitnessStride) {
+      const std::size_t cell = set_.size() == 0 ? i : new_cells[i];
       witnesses.push_back({field_->crust->positions[cell], field_->crust->slowness[cell]});
     }
     std::vector<WeightedPlace> before;
@@ -284,14 +289,14 @@ class Chooser {
 
 template <typename Metric>
 SampleSet chooseFarthestPoints(FrontField* field, const FarthestPointsGoal& goal, ThreadPool* pool,
-                               const SampleSet& before) {
+                               const EarlierSamples& before) {
   if (field->crust->size() == 0) return {};
   return Chooser<Metric>(field, goal, pool).run(before);
 }
 
 template SampleSet chooseFarthestPoints<Flood>(FrontField*, const FarthestPointsGoal&, ThreadPool*,
-                                               const SampleSet&);
+                                               const EarlierSamples&);
 template SampleSet chooseFarthestPoints<FastMarching>(FrontField*, const FarthestPointsGoal&,
-                                                      ThreadPool*, const SampleSet&);
+                                                      ThreadPool*, const EarlierSamples&);
 
 }  // namespace ladar_perception

@@ -220,6 +220,12 @@ void Fronts<Metric>::enter(uint32_t cell, uint32_t sample) {
 }
 
 template <typename Metric>
+void Fronts<Metric>::runOn(uint32_t cell) {
+  queue_.assign(1, cell);
+  run(sourceOf(field_->arrivals[cell].owner));
+}
+
+template <typename Metric>
 FrontSource Fronts<Metric>::sourceOf(uint32_t sample) const {
   const FrontField::Node& node = field_->samples[sample];
   return {sample, node.position(), field_->crust->normals[sample], node.slowness};

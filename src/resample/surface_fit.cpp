@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "ladar_perception/resample/column_mask.h"
 #include "ladar_perception/resample/morton.h"
@@ -41,8 +42,7 @@ constexpr float kTrustedPoints = 64.0F;
 constexpr uint8_t kPiece = 1;
 constexpr uint8_t kSecondPiece = 2;
 
-/// What became of a voxel at one level.
-enum class Fate : uint8_t { kNotWanted, kSurface, kBridge, kLine, kOpen };
+using Fate = VoxelFate;
 
 Eigen::Vector3f towards(const Eigen::Vector3f& sensor, const Eigen::Vector3f& from,
                         const Eigen::Vector3f& normal) {
@@ -80,54 +80,113 @@ Eigen::Vector3f normalOfLine(const Eigen::Vector3f& sensor, const Eigen::Vector3
 
 class Fitter {
  public:
-  Fitter(const VoxelPyramid& pyramid, int level, const Eigen::Vector3f& sensor, ThreadPool* pool)
-      : pyramid_(pyramid), base_(level), sensor_(sensor), pool_(pool) {}
+  /// `before` as far as bricks are `unchanged`.
+  Fitter(const VoxelPyramid& pyramid, int level, const Eigen::Vector3f& sensor, ThreadPool* pool,
+         const std::vector<std::vector<uint32_t>>& unchanged, const FitMemory& before)
+      : pyramid_(pyramid),
+        base_(level),
+        sensor_(sensor),
+        pool_(pool),
+        unchanged_(unchanged),
+        before_(before) {}
 
   std::vector<SurfaceFit> run(const std::vector<uint8_t>& wanted) {
-    std::vector<uint8_t> now = wanted;
-    if (now.empty()) now.assign(pyramid_.level(base_).grid.size(), kPiece);
+    std::vector<uint8_t> asked = wanted;
+    if (asked.empty()) asked.assign(pyramid_.level(base_).grid.size(), kPiece);
     for (int level = base_; level < pyramid_.levels() && level <= base_ + kBridgeLevels; ++level) {
-      fitLevel(level, &now);
-      if (level + 1 < pyramid_.levels()) now = parentsOfUnfinished(level);
+      fitLevel(level, std::move(asked));
+      if (level + 1 < pyramid_.levels()) asked = parentsOfUnfinished(level);
     }
     addLeftOver();
     return std::move(fits_);
   }
 
+  FitMemory takeMemory() { return std::move(now_); }
+
  private:
   /// Pieces of the base level overlap so much that some of the wanted voxels are left out.
-  void fitLevel(int level, std::vector<uint8_t>* wanted_flags) {
+  void fitLevel(int level, std::vector<uint8_t> asked) {
     const VoxelLevel& voxels = pyramid_.level(level);
+    const std::vector<uint32_t> known = knownBricks(level, asked);
+    now_.levels.emplace_back();
+    FitMemory::Level& now = now_.levels.back();
+    now.wanted = asked;
+    now.asked = std::move(asked);
+    now.fits.resize(voxels.grid.size());
+    now.fates.resize(voxels.grid.size(), Fate::kNotWanted);
     const std::vector<PointSums> sums =
-        sumNeighborhoods(voxels, level, level == base_, wanted_flags, pool_);
-    const std::vector<uint8_t>& wanted = *wanted_flags;
-    std::vector<SurfaceFit> fits(voxels.grid.size());
-    fates_.emplace_back(voxels.grid.size(), Fate::kNotWanted);
-    std::vector<Fate>& fates = fates_.back();
+        sumNeighborhoods(voxels, level, level == base_, &now.wanted, pool_, known);
     parallelFor(pool_, voxels.grid.bricks().size(), 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t brick = begin; brick < end; ++brick) {
-        const Eigen::Vector3f center = brickCenter(voxels.grid.bricks()[brick].key, level);
-        const uint32_t last = voxels.grid.brickEnd(brick);
-        for (uint32_t i = voxels.grid.bricks()[brick].first; i < last; ++i) {
-          if (wanted[i] == 0) continue;
-          const Fate fate = fit(sums[i], center, level, &fits[i]);
-          fates[i] = wanted[i] != kSecondPiece ? fate
-                     : fate == Fate::kBridge   ? Fate::kSurface
-                                               : Fate::kNotWanted;
-          fits[i].weight = voxels.sums[i].weight / voxels.sums[i].count;
+        if (!known.empty() && known[brick] != kNoIndex) {
+          copyBrick(level, brick, known[brick], &now);
+        } else {
+          fitBrick(level, brick, sums, &now);
         }
       }
     });
-    if (level > base_) boundPieces(voxels.grid, level, fates, &fits);
-    for (uint32_t i = 0; i < fits.size(); ++i) {
-      if (!isPiece(fates[i])) continue;
+    if (level > base_) boundPieces(voxels.grid, level, now.fates, &now.fits);
+    for (uint32_t i = 0; i < now.fits.size(); ++i) {
+      if (!isPiece(now.fates[i])) continue;
       if (level < base_ + kBridgeLevels) {
-        fits_.push_back(fits[i]);
+        fits_.push_back(now.fits[i]);
       } else {
-        addClosed(fits[i], i, level);
+        addClosed(now.fits[i], i, level);
       }
     }
-    found_.push_back(std::move(fits));
+  }
+
+  void fitBrick(int level, std::size_t brick, const std::vector<PointSums>& sums,
+                FitMemory::Level* now) const {
+    const VoxelLevel& voxels = pyramid_.level(level);
+    const Eigen::Vector3f center = brickCenter(voxels.grid.bricks()[brick].key, level);
+    const uint32_t last = voxels.grid.brickEnd(brick);
+    for (uint32_t i = voxels.grid.bricks()[brick].first; i < last; ++i) {
+      const uint8_t wanted = now->wanted[i];
+      if (wanted == 0) continue;
+      const Fate fate = fit(sums[i], center, level, &now->fits[i]);
+      now->fates[i] = wanted != kSecondPiece  ? fate
+                      : fate == Fate::kBridge ? Fate::kSurface
+                                              : Fate::kNotWanted;
+      now->fits[i].weight = voxels.sums[i].weight / voxels.sums[i].count;
+    }
+  }
+
+  void copyBrick(int level, std::size_t brick, uint32_t from, FitMemory::Level* now) const {
+    const FitMemory::Level& before = before_.levels[static_cast<std::size_t>(level - base_)];
+    const uint32_t first = pyramid_.level(level).grid.bricks()[brick].first;
+    const uint32_t count = pyramid_.level(level).grid.brickEnd(brick) - first;
+    std::copy_n(before.wanted.begin() + from, count, now->wanted.begin() + first);
+    std::copy_n(before.fits.begin() + from, count, now->fits.begin() + first);
+    std::copy_n(before.fates.begin() + from, count, now->fates.begin() + first);
+  }
+
+  /// For every brick where its first voxel is in the memory, if all that its voxels depend on is as
+  /// it was: points and what is asked, in it and in those around it. Empty if there is no memory.
+  std::vector<uint32_t> knownBricks(int level, const std::vector<uint8_t>& asked) const {
+    const auto at = static_cast<std::size_t>(level - base_);
+    if (static_cast<std::size_t>(level) >= unchanged_.size() || at >= before_.levels.size()) {
+      return {};
+    }
+    const std::vector<uint8_t>& asked_before = before_.levels[at].asked;
+    const SparseGrid& grid = pyramid_.level(level).grid;
+    std::vector<uint32_t> unchanged = unchanged_[static_cast<std::size_t>(level)];
+    for (std::size_t brick = 0; brick < unchanged.size(); ++brick) {
+      if (unchanged[brick] == kNoIndex) continue;
+      const auto first = asked.begin() + grid.bricks()[brick].first;
+      if (!std::equal(first, asked.begin() + grid.brickEnd(brick),
+                      asked_before.begin() + unchanged[brick])) {
+        unchanged[brick] = kNoIndex;
+      }
+    }
+    std::vector<uint32_t> known = unchanged;
+    for (std::size_t brick = 0; brick < known.size(); ++brick) {
+      for (uint32_t direction = 0; direction < 27 && known[brick] != kNoIndex; ++direction) {
+        const uint32_t near = grid.brickAround(brick, direction);
+        if (near != kNoIndex && unchanged[near] == kNoIndex) known[brick] = kNoIndex;
+      }
+    }
+    return known;
   }
 
   /// Adds the parts of a piece that gaps are closed in, in rectangles.
@@ -196,6 +255,8 @@ class Fitter {
     const uint32_t column =
         uint32_t{1} | uint32_t{1} << kStride[main_axis] | uint32_t{1} << 2 * kStride[main_axis];
     for (int axis = 0; axis < 3; ++axis) {
+      piece->low[axis] = -SurfaceFit::kUnbounded;
+      piece->high[axis] = SurfaceFit::kUnbounded;
       if (axis == main_axis) continue;
       const int across = 3 - axis - main_axis;
       const uint32_t low = column << kStride[across];
@@ -228,7 +289,7 @@ class Fitter {
   }
 
   std::vector<uint8_t> parentsOfUnfinished(int level) const {
-    const std::vector<Fate>& fates = fates_.back();
+    const std::vector<Fate>& fates = now_.levels.back().fates;
     const VoxelLevel& above = pyramid_.level(level + 1);
     std::vector<uint8_t> wanted(above.grid.size(), 0);
     for (std::size_t parent = 0; parent < wanted.size(); ++parent) {
@@ -246,22 +307,26 @@ class Fitter {
   /// for.
   void addLeftOver() {
     const VoxelLevel& voxels = pyramid_.level(base_);
+    const std::vector<FitMemory::Level>& levels = now_.levels;
     const auto edge = static_cast<float>(1 << base_);
     for (std::size_t i = 0; i < voxels.grid.size(); ++i) {
-      if (fates_[0][i] != Fate::kOpen && fates_[0][i] != Fate::kLine) continue;
+      const Fate fate = levels[0].fates[i];
+      if (fate != Fate::kOpen && fate != Fate::kLine) continue;
       uint64_t key = voxels.grid.keys()[i];
       const PointSums& sums = voxels.sums[i];
       bool found = false;
       Eigen::Vector3f normal = Eigen::Vector3f::Zero();
-      for (std::size_t up = 1; up < fates_.size() && !found; ++up) {
+      for (std::size_t up = 1; up < levels.size() && !found; ++up) {
         const uint32_t above =
             pyramid_.level(base_ + static_cast<int>(up)).grid.find(key >> 3 * up);
-        found = fates_[up][above] == Fate::kSurface || fates_[up][above] == Fate::kBridge;
-        if (fates_[up][above] == Fate::kLine && normal.isZero()) normal = found_[up][above].normal;
+        found = isPiece(levels[up].fates[above]);
+        if (levels[up].fates[above] == Fate::kLine && normal.isZero()) {
+          normal = levels[up].fits[above].normal;
+        }
       }
       if (found) continue;
-      if (fates_[0][i] == Fate::kLine) {
-        fits_.push_back(found_[0][i]);
+      if (fate == Fate::kLine) {
+        fits_.push_back(levels[0].fits[i]);
         continue;
       }
       SurfaceFit piece;
@@ -282,9 +347,10 @@ class Fitter {
   int base_;
   Eigen::Vector3f sensor_;
   ThreadPool* pool_;
-  std::vector<std::vector<Fate>> fates_;  // by level from base_
+  const std::vector<std::vector<uint32_t>>& unchanged_;
+  const FitMemory& before_;
+  FitMemory now_;
   std::vector<SurfaceFit> fits_;
-  std::vector<std::vector<SurfaceFit>> found_;  // by level from base_ and voxel
 };
 
 /// Adds up the 27 voxels around every wanted one of a brick.
@@ -378,6 +444,12 @@ class BrickSums {
 
 }  // namespace
 
+bool SurfaceFit::operator==(const SurfaceFit& other) const {
+  return center == other.center && normal == other.normal && major == other.major &&
+         semi_major == other.semi_major && semi_minor == other.semi_minor && trust == other.trust &&
+         weight == other.weight && level == other.level && low == other.low && high == other.high;
+}
+
 PlaneFit fitPlane(const PointSums& sums) {
   PlaneFit fit;
   const float by_count = 1.0F / sums.count;
@@ -397,20 +469,28 @@ PlaneFit fitPlane(const PointSums& sums) {
 }
 
 std::vector<PointSums> sumNeighborhoods(const VoxelLevel& level, int level_number, bool thin_out,
-                                        std::vector<uint8_t>* wanted, ThreadPool* pool) {
+                                        std::vector<uint8_t>* wanted, ThreadPool* pool,
+                                        const std::vector<uint32_t>& known) {
   std::vector<PointSums> sums(level.grid.size());
   parallelFor(pool, level.grid.bricks().size(), 256, [&](std::size_t begin, std::size_t end) {
     BrickSums bricks(level, level_number);
-    for (std::size_t brick = begin; brick < end; ++brick)
-      bricks.add(brick, thin_out, wanted, &sums);
+    for (std::size_t brick = begin; brick < end; ++brick) {
+      if (known.empty() || known[brick] == kNoIndex) bricks.add(brick, thin_out, wanted, &sums);
+    }
   });
   return sums;
 }
 
 std::vector<SurfaceFit> fitSurface(const VoxelPyramid& pyramid, int level,
                                    const std::vector<uint8_t>& wanted,
-                                   const Eigen::Vector3f& sensor, ThreadPool* pool) {
-  return Fitter(pyramid, level, sensor, pool).run(wanted);
+                                   const Eigen::Vector3f& sensor, ThreadPool* pool,
+                                   const std::vector<std::vector<uint32_t>>& unchanged,
+                                   FitMemory* memory) {
+  const FitMemory before = memory != nullptr ? std::move(*memory) : FitMemory();
+  Fitter fitter(pyramid, level, sensor, pool, unchanged, before);
+  std::vector<SurfaceFit> pieces = fitter.run(wanted);
+  if (memory != nullptr) *memory = fitter.takeMemory();
+  return pieces;
 }
 
 }  // namespace ladar_perception

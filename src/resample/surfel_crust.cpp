@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 #include "crust_links.h"
 #include "ladar_perception/resample/cell_blender.h"
@@ -83,20 +85,34 @@ double Crust::area_m2() const {
 
 Crust makeSurfelCrust(const VoxelPyramid& pyramid, const GridFrame& frame,
                       const std::vector<uint8_t>& cell_levels, const Eigen::Vector3f& sensor,
-                      ThreadPool* pool) {
-  std::vector<std::vector<Surfel>> surfels;
-  if (cell_levels.empty()) {
-    surfels.push_back(blendSurface(fitSurface(pyramid, 0, {}, sensor, pool), 0, pool));
-    return linkCells(frame, surfels, pool);
+                      ThreadPool* pool, const std::vector<std::vector<uint32_t>>& unchanged,
+                      CrustMemory* memory) {
+  std::optional<Leaves> leaves;
+  if (!cell_levels.empty()) leaves.emplace(pyramid, cell_levels);
+  const auto levels = static_cast<std::size_t>(leaves ? leaves->top() + 1 : 1);
+  if (memory != nullptr) {
+    memory->fits.resize(levels);
+    memory->blends.resize(levels);
   }
-  const Leaves leaves(pyramid, cell_levels);
-  for (int level = 0; level <= leaves.top(); ++level) {
-    surfels.push_back(
-        blendSurface(fitSurface(pyramid, level, leaves.of(level), sensor, pool), level, pool));
-    auto& cells = surfels.back();
-    cells.erase(std::remove_if(cells.begin(), cells.end(),
-                               [&](const Surfel& cell) { return leaves.foreign(level, cell.key); }),
-                cells.end());
+  std::vector<std::vector<Surfel>> surfels(levels);
+  for (std::size_t i = 0; i < levels; ++i) {
+    const auto level = static_cast<int>(i);
+    const std::vector<uint8_t> wanted = leaves ? leaves->of(level) : std::vector<uint8_t>();
+    BlendMemory blend;
+    if (memory != nullptr) blend = std::move(memory->blends[i]);
+    blendSurface(fitSurface(pyramid, level, wanted, sensor, pool, unchanged,
+                            memory != nullptr ? &memory->fits[i] : nullptr),
+                 level, pool, &blend);
+    if (memory != nullptr) {
+      surfels[i] = blend.surfels;
+      memory->blends[i] = std::move(blend);
+    } else {
+      surfels[i] = std::move(blend.surfels);
+    }
+    if (!leaves) continue;
+    const auto foreign = [&](const Surfel& cell) { return leaves->foreign(level, cell.key); };
+    surfels[i].erase(std::remove_if(surfels[i].begin(), surfels[i].end(), foreign),
+                     surfels[i].end());
   }
   dropCovered(&surfels);
   return linkCells(frame, surfels, pool);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ladar_perception/resample/voxel_pyramid.h"
 
+#include <algorithm>
+
 #include "ladar_perception/resample/morton.h"
 
 namespace ladar_perception {
@@ -62,6 +64,34 @@ VoxelLevel groupVoxels(const VoxelLevel& below, int below_level) {
 }
 
 }  // namespace
+
+std::vector<uint32_t> unchangedBricks(const VoxelLevel& now, const VoxelLevel& before) {
+  const std::vector<SparseGrid::Brick>& bricks = now.grid.bricks();
+  std::vector<uint32_t> unchanged(bricks.size(), kNoIndex);
+  std::vector<uint64_t> gone;
+  auto old = before.grid.bricks().begin();
+  const auto skipTo = [&](uint64_t key) {
+    for (; old != before.grid.bricks().end() && old->key < key; ++old) gone.push_back(old->key);
+  };
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    skipTo(bricks[i].key);
+    if (old == before.grid.bricks().end() || old->key != bricks[i].key) continue;
+    const auto first = now.sums.begin() + bricks[i].first;
+    const auto last = now.sums.begin() + now.grid.brickEnd(i);
+    if (old->mask == bricks[i].mask && std::equal(first, last, before.sums.begin() + old->first)) {
+      unchanged[i] = old->first;
+    }
+    ++old;
+  }
+  skipTo(~uint64_t{0});
+  for (const uint64_t key : gone) {
+    for (int step = 0; step < 27; ++step) {
+      const uint32_t near = now.grid.findBrick(morton::around(key, step));
+      if (near != kNoIndex) unchanged[near] = kNoIndex;
+    }
+  }
+  return unchanged;
+}
 
 VoxelPyramid::VoxelPyramid(const GridPoints& points, const std::vector<float>& weights,
                            int levels) {

@@ -18,7 +18,9 @@ using test::TestRandom;
 
 std::vector<Surfel> blended(const std::vector<SurfaceFit>& pieces, int level = 0, int threads = 1) {
   ThreadPool pool(threads);
-  return blendSurface(pieces, level, &pool);
+  BlendMemory memory;
+  blendSurface(pieces, level, &pool, &memory);
+  return memory.surfels;
 }
 
 /// A disc.

@@ -25,11 +25,10 @@ FarthestPointsGoal goalOf(const Crust& crust, std::size_t count, float radius = 
 template <typename Metric>
 class ResampleFarthestPoints : public testing::Test {
  protected:
-  static SampleSet choose(const Crust& crust, const FarthestPointsGoal& goal, int threads = 1,
-                          const SampleSet& before = {}) {
+  static SampleSet choose(const Crust& crust, const FarthestPointsGoal& goal, int threads = 1) {
     FrontField field(crust);
     ThreadPool pool(threads);
-    return chooseFarthestPoints<Metric>(&field, goal, &pool, before);
+    return chooseFarthestPoints<Metric>(&field, goal, &pool);
   }
 
   /// Greatest straight distance of a cell of a plane to the first `count` samples.
@@ -159,10 +158,13 @@ TYPED_TEST(ResampleFarthestPoints, ADeadlineStops) {
   EXPECT_LE(this->coveringOf(crust, set, set.size()), set.radius_reached + 1.0F);
 }
 
-TYPED_TEST(ResampleFarthestPoints, SamplesBeforeStayFirst) {
+TYPED_TEST(ResampleFarthestPoints, EarlierSamplesStayFirst) {
   const Crust crust = gridCrust(80, 60);
-  const SampleSet before = this->choose(crust, goalOf(crust, 100));
-  const SampleSet set = this->choose(crust, goalOf(crust, 300), 1, before);
+  FrontField field(crust);
+  ThreadPool pool(1);
+  const SampleSet before = chooseFarthestPoints<TypeParam>(&field, goalOf(crust, 100), &pool);
+  const SampleSet set =
+      chooseFarthestPoints<TypeParam>(&field, goalOf(crust, 300), &pool, {before, {}});
   ASSERT_EQ(set.size(), 300u);
   for (std::size_t i = 0; i < 100; ++i) {
     EXPECT_EQ(set.cells[i], before.cells[i]);

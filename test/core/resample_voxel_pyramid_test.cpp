@@ -183,5 +183,40 @@ TEST(PointSums, AddUp) {
   EXPECT_EQ(a.zz, 49.0F);
 }
 
+TEST(UnchangedBricks, AreThoseWithTheSamePoints) {
+  TestRandom random(11);
+  const Cloud cloud = test::patch({}, 40, 40, 3000, 0.2, &random);
+  const test::GriddedCloud before(cloud);
+  const test::GriddedCloud more(test::joined(cloud, {{8.5, 8.5, 0.1}, {-100, 3, 3}}));
+  for (int number = 0; number <= kBridgeLevels; ++number) {
+    const VoxelLevel& old = before.pyramid.level(number);
+    const VoxelLevel& now = more.pyramid.level(number);
+    const std::vector<uint32_t> same = unchangedBricks(now, old);
+    ASSERT_EQ(same.size(), now.grid.bricks().size());
+    std::size_t changed = 0;
+    for (std::size_t brick = 0; brick < same.size(); ++brick) {
+      if (same[brick] == kNoIndex) {
+        ++changed;
+        continue;
+      }
+      const uint32_t first = now.grid.bricks()[brick].first;
+      for (uint32_t i = first; i < now.grid.brickEnd(brick); ++i) {
+        ASSERT_EQ(now.grid.keys()[i], old.grid.keys()[same[brick] + i - first]);
+        ASSERT_TRUE(now.sums[i] == old.sums[same[brick] + i - first]);
+      }
+    }
+    EXPECT_EQ(changed, 2u);
+  }
+}
+
+TEST(UnchangedBricks, NoneNextToOneThatIsGone) {
+  const test::GriddedCloud before(Cloud{{1, 1, 1}, {5, 1, 1}, {9, 1, 1}, {13, 1, 1}});
+  const test::GriddedCloud less(Cloud{{1, 1, 1}, {9, 1, 1}, {13, 1, 1}});
+  EXPECT_EQ(unchangedBricks(less.pyramid.level(0), before.pyramid.level(0)),
+            (std::vector<uint32_t>{kNoIndex, kNoIndex, 3}));
+  EXPECT_EQ(unchangedBricks(before.pyramid.level(0), less.pyramid.level(0)),
+            (std::vector<uint32_t>{0, kNoIndex, 1, 2}));
+}
+
 }  // namespace
 }  // namespace ladar_perception

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "ladar_perception/resample/radix_sort.h"
 #include "ladar_perception/resample/surface_fit.h"
 #include "ladar_perception/util/thread_pool.h"
 
@@ -18,10 +19,23 @@ struct Surfel {
   float slowness = 1.0F;
 };
 
-/// Blends overlapping pieces of surface into cells of 2^level and returns the cells that the
-/// blended planes go through, one per column along the plane's main axis, in the order of their
-/// keys.
-std::vector<Surfel> blendSurface(const std::vector<SurfaceFit>& pieces, int level,
-                                 ThreadPool* pool);
+/// Pieces of surface, and the cells they were blended into, tile by tile.
+struct BlendMemory {
+  struct Tile {
+    uint64_t key = 0;
+    std::size_t first_entry = 0;
+    std::size_t first_surfel = 0;
+  };
+  std::vector<SurfaceFit> pieces;
+  std::vector<KeyedIndex> entries;  ///< key of a tile and index of a piece that reaches it
+  std::vector<Tile> tiles;          ///< in the order of keys; the last is an end
+  std::vector<Surfel> surfels;
+};
+
+/// Blends overlapping pieces of surface into cells of 2^level. `memory` is empty or that of an
+/// earlier call for the same level, and becomes that of this one: tiles that the same pieces reach
+/// as before are not blended again. Its surfels are the cells that the blended planes go through,
+/// one per column along the plane's main axis, in the order of their keys.
+void blendSurface(std::vector<SurfaceFit> pieces, int level, ThreadPool* pool, BlendMemory* memory);
 
 }  // namespace ladar_perception

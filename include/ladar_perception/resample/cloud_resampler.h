@@ -59,14 +59,18 @@ class CloudResampler {
 
   /// Forgets the cloud before and re-samples this one. A cloud with fewer finite points than
   /// samples wanted gives what its crust can hold; one without any gives none. Throws
-  /// std::runtime_error where a policy needs a field that the cloud lacks.
-  ResampledCloud resample(const PoseCloudData& cloud, const Policies& policies = {});
+  /// std::runtime_error where a policy needs a field that the cloud lacks. With `more_to_come` what
+  /// the first extend() can use is kept, for half as much memory again.
+  ResampledCloud resample(const PoseCloudData& cloud, const Policies& policies = {},
+                          bool more_to_come = false);
 
-  /// Adds points to the cloud that was re-sampled last. The crust is that of all points; samples
-  /// that are there stay, first and in their order, but for the few whose surface is now found to
-  /// be elsewhere. `config.count` then means this many more, as far as cells of the size chosen at
-  /// first hold them, and `radius_m` is what it was. `sources` count through the clouds in the
-  /// order they were given.
+  /// Adds points to the cloud that was re-sampled last. The crust is that of all points, bit by
+  /// bit, but only what depends on the new ones is worked out. Samples that are there stay, first
+  /// and in their order, but for the few whose surface is now found to be elsewhere; so do their
+  /// fronts, but for those that ran over or beside what has changed. `config.count` then means this
+  /// many more, as far as cells of the size chosen at first hold them, and `radius_m` is what it
+  /// was. `sources` count through the clouds in the order they were given. A few points in one
+  /// sector of a cloud cost about half a re-sampling of all, points from everywhere as much as one.
   ResampledCloud extend(const PoseCloudData& more);
 
  private:

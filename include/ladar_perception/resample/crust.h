@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "ladar_perception/resample/cell_blender.h"
 #include "ladar_perception/resample/grid_points.h"
+#include "ladar_perception/resample/surface_fit.h"
 #include "ladar_perception/resample/voxel_pyramid.h"
 #include "ladar_perception/util/thread_pool.h"
 
@@ -31,13 +33,22 @@ struct Crust {
   double area_m2() const;
 };
 
+/// What a surfel crust was made of, for the next one of more points in the same frame.
+struct CrustMemory {
+  std::vector<FitMemory> fits;      ///< by the level of cells
+  std::vector<BlendMemory> blends;  ///< the same
+};
+
 /// A crust one cell deep: pieces of surface are blended into one plane per cell, and of the cells
 /// in a column along the plane's main axis the one that the plane goes through is kept.
 /// `cell_levels` gives each voxel of level 0 the size of cells wanted there (2^level; all 0 if
-/// empty).
+/// empty). `memory`, if given, is empty or that of an earlier crust with the same frame and sensor,
+/// and becomes that of this one, where only what depends on a change is worked out: see fitSurface
+/// for `unchanged`.
 Crust makeSurfelCrust(const VoxelPyramid& pyramid, const GridFrame& frame,
                       const std::vector<uint8_t>& cell_levels, const Eigen::Vector3f& sensor,
-                      ThreadPool* pool);
+                      ThreadPool* pool, const std::vector<std::vector<uint32_t>>& unchanged = {},
+                      CrustMemory* memory = nullptr);
 
 /// The paper's crust: all cells inside the union of ellipsoids, one fitted to every point and its
 /// `neighbors` nearest ones. A few cells deep, and slow. Ellipsoids end at kLargestEllipsoidCells,

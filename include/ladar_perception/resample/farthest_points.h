@@ -36,6 +36,12 @@ struct SampleSet {
   std::size_t size() const { return cells.size(); }
 };
 
+/// Samples that are there, with their fronts in the field.
+struct EarlierSamples {
+  SampleSet set;
+  std::vector<uint32_t> new_cells;  ///< that the coverings in `set` do not know of
+};
+
 /// Chooses samples. The strategy puts every sample at the place the fronts reach last, a vertex of
 /// the Voronoi diagram of those before, one after the other. Here
 /// 1. random cells farther than `first_radius` from all before make a start (a Poisson-disk set:
@@ -45,15 +51,15 @@ struct SampleSet {
 ///    middle of a cell;
 /// 3. samples are put into the order of their distances.
 /// Time is O(cells + samples) but for a logarithm in step 3. `field` is left with all fronts.
-/// Samples of `before` are in from the beginning, and first in the result: their fronts are run,
-/// none of them is chosen again, and a count is one with them.
+/// Samples of `before` are first in the result: none of them is chosen again, and a count is one
+/// with them.
 template <typename Metric>
 SampleSet chooseFarthestPoints(FrontField* field, const FarthestPointsGoal& goal, ThreadPool* pool,
-                               const SampleSet& before = {});
+                               const EarlierSamples& before = {});
 
 extern template SampleSet chooseFarthestPoints<Flood>(FrontField*, const FarthestPointsGoal&,
-                                                      ThreadPool*, const SampleSet&);
+                                                      ThreadPool*, const EarlierSamples&);
 extern template SampleSet chooseFarthestPoints<FastMarching>(FrontField*, const FarthestPointsGoal&,
-                                                             ThreadPool*, const SampleSet&);
+                                                             ThreadPool*, const EarlierSamples&);
 
 }  // namespace ladar_perception

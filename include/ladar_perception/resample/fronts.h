@@ -86,6 +86,8 @@ class Fronts {
   /// Lets the front of a sample that is in, in the cell `sample`, come straight to a cell from
   /// which cells of others have kept it, and run on from there.
   void enter(uint32_t cell, uint32_t sample);
+  /// Lets the front that holds a cell run on from there, into cells that others do not hold sooner.
+  void runOn(uint32_t cell);
 
  private:
   FrontSource sourceOf(uint32_t sample) const;

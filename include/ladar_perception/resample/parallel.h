@@ -27,4 +27,15 @@ void parallelFor(ThreadPool* pool, std::size_t size, std::size_t piece, const Ta
   });
 }
 
+/// Calls task(&scratch, i) for every i in [0, size), on all threads of the pool, each of which has
+/// a scratch of its own.
+template <typename Scratch, typename Task>
+void parallelForWith(ThreadPool* pool, std::size_t size, const Task& task) {
+  std::atomic<std::size_t> next{0};
+  pool->run([&](int /*thread*/) {
+    Scratch scratch;
+    for (std::size_t i = next.fetch_add(1); i < size; i = next.fetch_add(1)) task(&scratch, i);
+  });
+}
+
 }  // namespace ladar_perception

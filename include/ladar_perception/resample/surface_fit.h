@@ -28,6 +28,8 @@ struct SurfaceFit {
   Eigen::Vector3f high = Eigen::Vector3f::Constant(kUnbounded);
 
   static constexpr float kUnbounded = 1e9F;
+
+  bool operator==(const SurfaceFit& other) const;
 };
 
 /// Eigenvalues and the plane of summed points.
@@ -42,6 +44,20 @@ PlaneFit fitPlane(const PointSums& sums);
 
 /// Points a plane needs: with fewer its normal is a guess.
 constexpr float kPlanePoints = 8;
+/// What became of a voxel at one level.
+enum class VoxelFate : uint8_t { kNotWanted, kSurface, kBridge, kLine, kOpen };
+
+/// What fitSurface has found at each level from its own up, by voxel.
+struct FitMemory {
+  struct Level {
+    std::vector<uint8_t> asked;   ///< what was wanted, and
+    std::vector<uint8_t> wanted;  ///< what of it was not left out
+    std::vector<SurfaceFit> fits;
+    std::vector<VoxelFate> fates;
+  };
+  std::vector<Level> levels;
+};
+
 /// Levels that gaps between points are bridged over: voxels sixteen times as wide.
 constexpr int kBridgeLevels = 4;
 
@@ -51,15 +67,21 @@ constexpr int kBridgeLevels = 4;
 /// stays one unless a coarser level finds the plane it lies in: a strip of ground if it lies, else
 /// one that faces the sensor. A voxel left alone gets a piece of its own size, with the normal of
 /// the line it is part of or facing the sensor; these come last, the others in the order of levels
-/// and keys.
+/// and keys. `memory`, if given, is that of an earlier call with the same level and sensor, and
+/// becomes that of this one: bricks are not fitted again if they and those around them are
+/// `unchanged` (unchangedBricks, by level of the pyramid; none if it is empty).
 std::vector<SurfaceFit> fitSurface(const VoxelPyramid& pyramid, int level,
                                    const std::vector<uint8_t>& wanted,
-                                   const Eigen::Vector3f& sensor, ThreadPool* pool);
+                                   const Eigen::Vector3f& sensor, ThreadPool* pool,
+                                   const std::vector<std::vector<uint32_t>>& unchanged = {},
+                                   FitMemory* memory = nullptr);
 
 /// Sums over every wanted voxel of a level and its 26 neighbours, about its own brick's centre.
 /// With `thin_out` a voxel of odd coordinates (by their sum) that lies side by side with four
-/// wanted ones is left out, and no longer wanted: their pieces cover its place.
+/// wanted ones is left out, and no longer wanted: their pieces cover its place. Bricks that are
+/// `known` (none if it is empty) get no sums, and what is wanted of them stays.
 std::vector<PointSums> sumNeighborhoods(const VoxelLevel& level, int level_number, bool thin_out,
-                                        std::vector<uint8_t>* wanted, ThreadPool* pool);
+                                        std::vector<uint8_t>* wanted, ThreadPool* pool,
+                                        const std::vector<uint32_t>& known = {});
 
 }  // namespace ladar_perception

@@ -19,6 +19,7 @@ struct alignas(16) PointSums {
 
   LADAR_INLINE void add(const Eigen::Vector3f& p, float point_weight);
   LADAR_INLINE void add(const PointSums& other);
+  bool operator==(const PointSums& other) const;
   /// The same sums about a centre that lies at -`offset` from the one they are about.
   LADAR_INLINE PointSums movedBy(const Eigen::Vector3f& offset) const;
 };
@@ -43,6 +44,11 @@ inline void PointSums::add(const PointSums& other) {
   Part(&count) += OtherPart(&other.count);
   Part(&xx) += OtherPart(&other.xx);
   Part(&yz) += OtherPart(&other.yz);
+}
+
+inline bool PointSums::operator==(const PointSums& o) const {
+  return count == o.count && x == o.x && y == o.y && z == o.z && xx == o.xx && xy == o.xy &&
+         xz == o.xz && yy == o.yy && yz == o.yz && zz == o.zz && weight == o.weight;
 }
 
 inline PointSums PointSums::movedBy(const Eigen::Vector3f& o) const {
@@ -79,6 +85,10 @@ class VoxelPyramid {
  private:
   std::vector<VoxelLevel> levels_;
 };
+
+/// For every brick of `now` the number its first voxel has in `before`, if that brick has the same
+/// voxels with the same sums there, else kNoIndex. Nor has one next to a brick that is gone.
+std::vector<uint32_t> unchangedBricks(const VoxelLevel& now, const VoxelLevel& before);
 
 /// Centre of a brick of voxels of 2^level cells, in cells from the origin.
 inline Eigen::Vector3f brickCenter(uint64_t brick_key, int level) {
