@@ -2,6 +2,8 @@
 #include "ladar_perception/resample/tiles.h"
 
 #include <atomic>
+#include <deque>
+#include <mutex>
 #include <thread>
 
 #include "ladar_perception/resample/morton.h"
@@ -31,49 +33,70 @@ Tiles::Tiles(const std::vector<uint64_t>& keys, int level) {
       ++tiles_[other].earlier;
     }
   }
-  for (uint64_t color = 0; color < 8; ++color) {
-    for (std::size_t i = 0; i < tile_keys.size(); ++i) {
-      if ((tile_keys[i] & 7) == color) by_color_.push_back(static_cast<uint32_t>(i));
-    }
-  }
-  orderByPlace();
 }
 
-void Tiles::orderByPlace() {
-  std::vector<std::vector<uint32_t>> earlier(tiles_.size());
-  for (uint32_t i = 0; i < tiles_.size(); ++i) {
-    for (const uint32_t later : tiles_[i].later) earlier[later].push_back(i);
+namespace {
+
+/// Tiles that wait for none any more, of one thread; others take from it when they have none.
+class ReadyTiles {
+ public:
+  void push(uint32_t tile) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    tiles_.push_back(tile);
   }
-  std::vector<uint8_t> taken(tiles_.size(), 0);
-  // As deep as there are colours.
-  const std::function<void(uint32_t)> take = [&](uint32_t tile) {
-    if (taken[tile] != 0) return;
-    for (const uint32_t other : earlier[tile]) take(other);
-    taken[tile] = 1;
-    by_place_.push_back(tile);
-  };
-  for (uint32_t tile = 0; tile < tiles_.size(); ++tile) take(tile);
-}
+  /// The last one is near to what its thread did before, which its cache gains by.
+  bool popLast(uint32_t* tile) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (tiles_.empty()) return false;
+    *tile = tiles_.back();
+    tiles_.pop_back();
+    return true;
+  }
+  bool popFirst(uint32_t* tile) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (tiles_.empty()) return false;
+    *tile = tiles_.front();
+    tiles_.pop_front();
+    return true;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::deque<uint32_t> tiles_;
+};
+
+}  // namespace
 
 void Tiles::run(ThreadPool* pool, const std::function<void(int, std::size_t)>& work) const {
-  if (pool->size() == 1 || tiles_.size() == 1) {
-    for (const uint32_t tile : by_place_) work(0, tile);
-    return;
-  }
   std::vector<std::atomic<uint32_t>> waiting(tiles_.size());
   for (std::size_t i = 0; i < tiles_.size(); ++i) waiting[i] = tiles_[i].earlier;
-  std::atomic<std::size_t> next{0};
+  std::atomic<std::size_t> unfinished{tiles_.size()};
+  const auto threads = static_cast<std::size_t>(pool->size());
+  std::vector<ReadyTiles> ready(threads);
+  // Each thread begins in a region of its own.
+  for (std::size_t i = tiles_.size(); i-- > 0;) {
+    if (tiles_[i].earlier == 0) ready[i * threads / tiles_.size()].push(static_cast<uint32_t>(i));
+  }
+  const auto take = [&](std::size_t own, uint32_t* tile) {
+    if (ready[own].popLast(tile)) return true;
+    for (std::size_t k = 1; k < threads; ++k) {
+      if (ready[(own + k) % threads].popFirst(tile)) return true;
+    }
+    return false;
+  };
   pool->run([&](int thread) {
-    for (;;) {
-      const std::size_t place = next.fetch_add(1);
-      if (place >= by_color_.size()) return;
-      const uint32_t tile = by_color_[place];
-      // What it waits for comes before it in the order, and has been begun, most likely ended.
-      while (waiting[tile].load(std::memory_order_acquire) > 0) std::this_thread::yield();
+    const auto own = static_cast<std::size_t>(thread);
+    while (unfinished.load() > 0) {
+      uint32_t tile = 0;
+      if (!take(own, &tile)) {
+        std::this_thread::yield();
+        continue;
+      }
       work(thread, tile);
       for (const uint32_t later : tiles_[tile].later) {
-        waiting[later].fetch_sub(1, std::memory_order_acq_rel);
+        if (waiting[later].fetch_sub(1, std::memory_order_acq_rel) == 1) ready[own].push(later);
       }
+      --unfinished;
     }
   });
 }

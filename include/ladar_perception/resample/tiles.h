@@ -28,17 +28,12 @@ class Tiles {
 
   std::size_t size() const { return tiles_.size(); }
   const Tile& tile(std::size_t i) const { return tiles_[i]; }
-  /// Calls `work(thread, tile)` once for every tile, on the threads of the pool.
+  /// Calls `work(thread, tile)` once for every tile, on the threads of the pool: each goes on near
+  /// the tile it had, in a region of its own as long as there is work.
   void run(ThreadPool* pool, const std::function<void(int, std::size_t)>& work) const;
 
  private:
-  void orderByPlace();
-
   std::vector<Tile> tiles_;
-  std::vector<uint32_t> by_color_;
-  // Each after those it waits for, and near the one before, which one thread's cache gains by; two
-  // would wait for each other.
-  std::vector<uint32_t> by_place_;
 };
 
 }  // namespace ladar_perception
