@@ -340,7 +340,9 @@ void blendSurface(std::vector<SurfaceFit> pieces, int level, ThreadPool* pool,
   BlendMemory now;
   now.pieces = std::move(pieces);
   std::vector<CellRange> ranges(now.pieces.size());
-  for (std::size_t i = 0; i < ranges.size(); ++i) ranges[i] = cellsOf(now.pieces[i], edge);
+  parallelFor(pool, ranges.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) ranges[i] = cellsOf(now.pieces[i], edge);
+  });
   now.entries = assignToTiles(ranges, origin_cell);
   now.tiles = tilesOf(now.entries);
   const std::vector<const BlendMemory::Tile*> same = sameTiles(now, before);
@@ -367,16 +369,15 @@ void blendSurface(std::vector<SurfaceFit> pieces, int level, ThreadPool* pool,
       grid->finish(tile.key, edge, &surfels);
     }
   });
-  for (std::size_t i = 0; i < tiles; ++i) {
-    if (i % kRun == 0 && i > 0) {
-      const std::vector<Surfel>& done = runs[i / kRun - 1];
-      now.surfels.insert(now.surfels.end(), done.begin(), done.end());
+  std::vector<std::size_t> firsts = {0};
+  for (const std::vector<Surfel>& run : runs) firsts.push_back(firsts.back() + run.size());
+  now.surfels.resize(firsts.back());
+  parallelFor(pool, runs.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t run = begin; run < end; ++run) {
+      std::copy(runs[run].begin(), runs[run].end(), &now.surfels[firsts[run]]);
     }
-    now.tiles[i].first_surfel += now.surfels.size();
-  }
-  if (tiles > 0) {
-    now.surfels.insert(now.surfels.end(), runs.back().begin(), runs.back().end());
-  }
+  });
+  for (std::size_t i = 0; i < tiles; ++i) now.tiles[i].first_surfel += firsts[i / kRun];
   now.tiles.back().first_surfel = now.surfels.size();
   *memory = std::move(now);
 }

@@ -11,60 +11,74 @@
 namespace ladar_perception {
 namespace {
 
-struct Place {
-  uint64_t key;  // of level 0
-  uint32_t level;
-  uint32_t index;
-};
+using Numbers = std::vector<std::vector<uint32_t>>;
 
-std::vector<Place> placesInOrder(const std::vector<std::vector<Surfel>>& surfels) {
-  std::vector<Place> places;
+/// Numbers the surfels of all levels in the order of their keys of level 0.
+Numbers numbersInOrder(const std::vector<std::vector<Surfel>>& surfels) {
+  Numbers numbers(surfels.size());
+  std::size_t size = 0;
   for (std::size_t level = 0; level < surfels.size(); ++level) {
-    for (std::size_t i = 0; i < surfels[level].size(); ++i) {
-      places.push_back({surfels[level][i].key << 3 * level, static_cast<uint32_t>(level),
-                        static_cast<uint32_t>(i)});
+    numbers[level].reserve(surfels[level].size());
+    size += surfels[level].size();
+  }
+  for (uint32_t number = 0; number < size; ++number) {
+    std::size_t first = 0;
+    uint64_t least = ~uint64_t{0};
+    for (std::size_t level = 0; level < surfels.size(); ++level) {
+      const std::size_t next = numbers[level].size();
+      if (next == surfels[level].size() || surfels[level][next].key << 3 * level >= least) continue;
+      first = level;
+      least = surfels[level][next].key << 3 * level;
     }
+    numbers[first].push_back(number);
   }
-  if (surfels.size() > 1) {
-    std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
-      return a.key != b.key ? a.key < b.key : a.level < b.level;
-    });
-  }
-  return places;
+  return numbers;
 }
 
 class Linker {
  public:
-  Linker(const std::vector<std::vector<Surfel>>& surfels, const std::vector<Place>& places,
+  Linker(const std::vector<std::vector<Surfel>>& surfels, const Numbers& numbers, ThreadPool* pool,
          Crust* crust)
-      : crust_(crust), grids_(surfels.size()), numbers_(surfels.size()) {
+      : numbers_(numbers), pool_(pool), crust_(crust), grids_(surfels.size()) {
     for (std::size_t level = 0; level < surfels.size(); ++level) {
       std::vector<uint64_t> keys;
       keys.reserve(surfels[level].size());
       for (const Surfel& surfel : surfels[level]) keys.push_back(surfel.key);
       grids_[level].assign(std::move(keys));
       grids_[level].linkBricks();
-      numbers_[level].resize(surfels[level].size());
-    }
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      numbers_[places[i].level][places[i].index] = static_cast<uint32_t>(i);
     }
   }
 
-  void run(ThreadPool* pool) {
-    // Runs of bricks give runs of links, whoever works on them.
-    constexpr std::size_t kRun = 512;
-    for (std::size_t level = 0; level < grids_.size(); ++level) {
-      const std::size_t bricks = grids_[level].bricks().size();
-      const std::size_t first = runs_.size();
-      runs_.resize(first + (bricks + kRun - 1) / kRun);
-      parallelFor(pool, runs_.size() - first, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t run = begin; run < end; ++run) {
-          linkRun(level, run * kRun, std::min((run + 1) * kRun, bricks), &runs_[first + run]);
-        }
-      });
+  /// Counts neighbours, then writes them to where they belong.
+  void run() {
+    std::vector<std::vector<Run>> levels;
+    for (std::size_t level = 0; level < grids_.size(); ++level) levels.push_back(runsOf(level));
+    std::vector<uint32_t>& first = crust_->first_neighbor;
+    first.assign(crust_->size() + 1, 0);
+    for (std::vector<Run>& runs : levels) {
+      inParallel(&runs, [this](Run* run) { countRun(run); });
     }
-    writeNeighbors();
+    for (const std::vector<Run>& runs : levels) {
+      for (const Run& run : runs) {
+        for (const Link& link : run.above) {
+          ++first[link.a + 1];
+          ++first[link.b + 1];
+        }
+      }
+    }
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    crust_->neighbors.resize(first.back());
+    next_.assign(first.begin(), first.end() - 1);
+    for (std::vector<Run>& runs : levels) {
+      inParallel(&runs, [this](Run* run) { writeRun(*run); });
+      // Every link is one of both cells.
+      for (const Run& run : runs) {
+        for (const Link& link : run.above) {
+          crust_->neighbors[next_[link.a]++] = link.b;
+          crust_->neighbors[next_[link.b]++] = link.a;
+        }
+      }
+    }
   }
 
  private:
@@ -72,105 +86,96 @@ class Linker {
     uint32_t a;
     uint32_t b;
   };
-  /// Neighbours of a run of cells of one level.
+  /// Bricks [first, last) of one level.
   struct Run {
-    std::size_t level = 0;
-    uint32_t first_cell = 0;
-    std::vector<uint8_t> counts;      // of neighbours of the same level, by cell
-    std::vector<uint32_t> neighbors;  // those, one cell's after the other's
-    std::vector<Link> above;          // to larger cells
+    std::size_t level;
+    std::size_t first;
+    std::size_t last;
+    std::vector<Link> above;  ///< to larger cells
   };
 
-  void linkRun(std::size_t level, std::size_t first_brick, std::size_t last_brick, Run* run) const {
-    const SparseGrid& grid = grids_[level];
-    run->level = level;
-    run->first_cell = grid.bricks()[first_brick].first;
-    run->counts.reserve(grid.brickEnd(last_brick - 1) - run->first_cell);
-    // Neighbours are written before it is known how many there are.
-    constexpr std::size_t kMost = 64 * 27;
-    std::size_t size = 0;
-    for (std::size_t brick = first_brick; brick < last_brick; ++brick) {
-      if (run->neighbors.size() < size + kMost) run->neighbors.resize(2 * size + kMost);
-      dispatch([&]() LADAR_INLINE_LAMBDA { size = linkBrick(level, brick, size, run); });
+  std::vector<Run> runsOf(std::size_t level) const {
+    constexpr std::size_t kRun = 512;
+    const std::size_t bricks = grids_[level].bricks().size();
+    std::vector<Run> runs;
+    for (std::size_t first = 0; first < bricks; first += kRun) {
+      runs.push_back({level, first, std::min(first + kRun, bricks), {}});
     }
-    run->neighbors.resize(size);
+    return runs;
   }
 
-  /// Returns how many neighbours the run has then.
-  LADAR_INLINE std::size_t linkBrick(std::size_t level, std::size_t brick, std::size_t size,
-                                     Run* run) const {
-    const SparseGrid& grid = grids_[level];
-    const std::vector<uint32_t>& numbers = numbers_[level];
-    const bool larger = level + 1 < grids_.size();
-    uint32_t cell = grid.bricks()[brick].first;
-    for (uint64_t mask = grid.bricks()[brick].mask; mask != 0; mask &= mask - 1, ++cell) {
-      const int bit = __builtin_ctzll(mask);
-      const std::size_t before = size;
-      uint32_t met = 0;
-      grid.visitNear<1>(brick, bit, [&](uint32_t other, uint32_t direction, int other_bit) {
-        run->neighbors[size] = numbers[other];
-        size += other != cell ? 1 : 0;
-        if (larger) met |= uint32_t{1} << stepBetween(bit, direction, other_bit);
+  template <typename Work>
+  void inParallel(std::vector<Run>* runs, const Work& work) {
+    parallelFor(pool_, runs->size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        dispatch([&]() LADAR_INLINE_LAMBDA { work(&(*runs)[i]); });
+      }
+    });
+  }
+
+  /// Calls visit(brick, cell, bit) for all cells of a run.
+  template <typename Visit>
+  LADAR_INLINE void visitCells(const Run& run, const Visit& visit) const {
+    const std::vector<SparseGrid::Brick>& bricks = grids_[run.level].bricks();
+    for (std::size_t brick = run.first; brick < run.last; ++brick) {
+      uint32_t cell = bricks[brick].first;
+      for (uint64_t mask = bricks[brick].mask; mask != 0; mask &= mask - 1, ++cell) {
+        visit(brick, cell, __builtin_ctzll(mask));
+      }
+    }
+  }
+
+  LADAR_INLINE void countRun(Run* run) {
+    const SparseGrid& grid = grids_[run->level];
+    const bool larger = run->level + 1 < grids_.size();
+    visitCells(*run, [&](std::size_t brick, uint32_t cell, int bit) LADAR_INLINE_LAMBDA {
+      const uint32_t number = numbers_[run->level][cell];
+      crust_->first_neighbor[number + 1] = grid.countNear<1>(brick, bit) - 1;
+      if (larger) linkAbove(brick, cell, bit, run);
+    });
+  }
+
+  LADAR_INLINE void writeRun(const Run& run) {
+    const SparseGrid& grid = grids_[run.level];
+    const std::vector<uint32_t>& numbers = numbers_[run.level];
+    visitCells(run, [&](std::size_t brick, uint32_t cell, int bit) LADAR_INLINE_LAMBDA {
+      uint32_t* next = &next_[numbers[cell]];
+      grid.visitNear<1>(brick, bit, [&](uint32_t other, auto...) LADAR_INLINE_LAMBDA {
+        if (other != cell) crust_->neighbors[(*next)++] = numbers[other];
       });
-      run->counts.push_back(static_cast<uint8_t>(size - before));
-      if (larger) linkAbove(level, cell, met, run);
-    }
-    return size;
+    });
   }
 
-  /// Links to the larger cells in those steps around a cell that met none of its own size.
-  void linkAbove(std::size_t level, uint32_t cell, uint32_t met, Run* run) const {
+  /// Links to the larger cells in those steps around a cell that meet none of its own size.
+  void linkAbove(std::size_t brick, uint32_t cell, int bit, Run* run) const {
+    const SparseGrid& grid = grids_[run->level];
+    uint32_t met = 0;
+    grid.visitNear<1>(brick, bit, [&](uint32_t, uint32_t direction, int other_bit) {
+      met |= uint32_t{1} << stepBetween(bit, direction, other_bit);
+    });
     const std::size_t first = run->above.size();
     for (int step = 0; step < 27; ++step) {
       if ((met >> step & 1) != 0) continue;
-      uint64_t key = morton::around(grids_[level].keys()[cell], step);
-      for (std::size_t above = level + 1; above < grids_.size(); ++above) {
+      uint64_t key = morton::around(grid.keys()[cell], step);
+      for (std::size_t above = run->level + 1; above < grids_.size(); ++above) {
         key >>= 3;
         const uint32_t other = grids_[above].find(key);
         if (other == kNoIndex) continue;
         const uint32_t number = numbers_[above][other];
         const auto begin = run->above.begin() + static_cast<std::ptrdiff_t>(first);
         if (std::none_of(begin, run->above.end(), [&](const Link& l) { return l.b == number; })) {
-          run->above.push_back({numbers_[level][cell], number});
+          run->above.push_back({numbers_[run->level][cell], number});
         }
         break;
       }
     }
   }
 
-  /// Every link is one of both cells.
-  void writeNeighbors() {
-    std::vector<uint32_t>& first = crust_->first_neighbor;
-    first.assign(crust_->size() + 1, 0);
-    for (const Run& run : runs_) {
-      const uint32_t* numbers = numbers_[run.level].data() + run.first_cell;
-      for (std::size_t i = 0; i < run.counts.size(); ++i) first[numbers[i] + 1] += run.counts[i];
-      for (const Link& link : run.above) {
-        ++first[link.a + 1];
-        ++first[link.b + 1];
-      }
-    }
-    std::partial_sum(first.begin(), first.end(), first.begin());
-    crust_->neighbors.resize(first.back());
-    std::vector<uint32_t> next(first.begin(), first.end() - 1);
-    for (const Run& run : runs_) {
-      const uint32_t* numbers = numbers_[run.level].data() + run.first_cell;
-      auto from = run.neighbors.begin();
-      for (std::size_t i = 0; i < run.counts.size(); ++i, from += run.counts[i - 1]) {
-        std::copy_n(from, run.counts[i], crust_->neighbors.begin() + next[numbers[i]]);
-        next[numbers[i]] += run.counts[i];
-      }
-      for (const Link& link : run.above) {
-        crust_->neighbors[next[link.a]++] = link.b;
-        crust_->neighbors[next[link.b]++] = link.a;
-      }
-    }
-  }
-
+  const Numbers& numbers_;  // in the crust, by level
+  ThreadPool* pool_;
   Crust* crust_;
   std::vector<SparseGrid> grids_;
-  std::vector<std::vector<uint32_t>> numbers_;  // in the crust, by level
-  std::vector<Run> runs_;
+  std::vector<uint32_t> next_;  // by cell of the crust: where its next neighbour is to be written
 };
 
 }  // namespace
@@ -196,23 +201,30 @@ void dropCovered(std::vector<std::vector<Surfel>>* surfels) {
 
 Crust linkCells(const GridFrame& frame, const std::vector<std::vector<Surfel>>& surfels,
                 ThreadPool* pool) {
+  const Numbers numbers = numbersInOrder(surfels);
+  std::size_t size = 0;
+  for (const std::vector<Surfel>& of_level : surfels) size += of_level.size();
   Crust crust;
   crust.frame = frame;
-  const std::vector<Place> places = placesInOrder(surfels);
-  crust.keys.reserve(places.size());
-  crust.positions.reserve(places.size());
-  crust.normals.reserve(places.size());
-  crust.slowness.reserve(places.size());
-  crust.levels.reserve(places.size());
-  for (const Place& place : places) {
-    const Surfel& surfel = surfels[place.level][place.index];
-    crust.keys.push_back(place.key);
-    crust.positions.push_back(surfel.position);
-    crust.normals.push_back(surfel.normal);
-    crust.slowness.push_back(surfel.slowness);
-    crust.levels.push_back(static_cast<uint8_t>(place.level));
+  crust.keys.resize(size);
+  crust.positions.resize(size);
+  crust.normals.resize(size);
+  crust.slowness.resize(size);
+  crust.levels.resize(size);
+  for (std::size_t level = 0; level < surfels.size(); ++level) {
+    parallelFor(pool, surfels[level].size(), 16384, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const Surfel& surfel = surfels[level][i];
+        const uint32_t number = numbers[level][i];
+        crust.keys[number] = surfel.key << 3 * level;
+        crust.positions[number] = surfel.position;
+        crust.normals[number] = surfel.normal;
+        crust.slowness[number] = surfel.slowness;
+        crust.levels[number] = static_cast<uint8_t>(level);
+      }
+    });
   }
-  Linker(surfels, places, &crust).run(pool);
+  Linker(surfels, numbers, pool, &crust).run();
   return crust;
 }
 

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <numeric>
+#include <utility>
 
 #include "ladar_perception/resample/sample_order.h"
 #include "ladar_perception/resample/tiles.h"
@@ -92,12 +94,13 @@ class Chooser {
     if (set_.size() == 0) field_->reset(goal_.first_radius);
     for (const uint32_t cell : set_.cells) take(cell);
     start();
-    orderStart(before.new_cells);
+    std::function<void()> order = [&] { orderStart(before.new_cells); };
     float radius = goal_.first_radius;
     while (!done(radius)) {
       radius = nextRadius(radius);
-      fillRound(radius);
+      fillRound(radius, std::exchange(order, nullptr));
     }
+    if (order) order();
     set_.radius_reached = std::max(latest(), left_out_);
     if (set_.size() > 0) set_.covering.back() = set_.radius_reached;
     // A place that a round found later than others, or left to the next, was as far before.
@@ -123,7 +126,7 @@ class Chooser {
     float next = radius * (first ? kFirstStep : kLastStep);
     if (goal_.count > 0) {
       // On a surface the count grows as radius^-2; vertices that a round chooses in vain cost time.
-      const float filled = static_cast<float>(set_.size()) / static_cast<float>(goal_.count);
+      const float filled = static_cast<float>(chosen()) / static_cast<float>(goal_.count);
       const float expected = radius * std::sqrt(std::min(filled, 1.0F)) * kBeyondCount;
       if (expected >= next && last_rounds_++ == 0) next = expected;
     }
@@ -131,7 +134,7 @@ class Chooser {
   }
 
   bool done(float radius) const {
-    if (goal_.count > 0 && set_.size() >= goal_.count) return true;
+    if (goal_.count > 0 && chosen() >= goal_.count) return true;
     // At the last radius there are rounds until none finds a vertex.
     if (goal_.radius > 0 && radius <= goal_.radius && added_ == 0) return true;
     return radius < kLeastRadius || std::chrono::steady_clock::now() >= goal_.deadline;
@@ -150,17 +153,19 @@ class Chooser {
         chosen_[i].push_back({cell, goal_.first_radius});
       }
     });
+    for (const std::vector<Choice>& choices : chosen_) {
+      for (const Choice& choice : choices) start_.push_back(choice.cell);
+    }
+    std::sort(start_.begin(), start_.end());
   }
+
+  std::size_t chosen() const { return set_.size() + start_.size(); }
 
   /// The start's samples, farthest first, with cells between them as witnesses: after others, those
   /// that are new.
   void orderStart(const std::vector<uint32_t>& new_cells) {
+    const std::vector<uint32_t> cells = std::exchange(start_, {});
     std::vector<WeightedPlace> places;
-    std::vector<uint32_t> cells;
-    for (const std::vector<Choice>& choices : chosen_) {
-      for (const Choice& choice : choices) cells.push_back(choice.cell);
-    }
-    std::sort(cells.begin(), cells.end());
     for (const uint32_t cell : cells) places.push_back(placeOf(cell));
     const std::size_t size_of_new = set_.size() == 0 ? field_->crust->size() : new_cells.size();
     std::vector<WeightedPlace> witnesses;
@@ -194,13 +199,15 @@ class Chooser {
   }
 
   /// Puts samples at all vertices farther than `radius`; of the last round only the farthest count.
-  void fillRound(float radius) {
-    tiles_.run(pool_, [&](int thread, std::size_t i) {
+  /// `beside` is done meanwhile.
+  void fillRound(float radius, const std::function<void()>& beside) {
+    const auto fill = [&](int thread, std::size_t i) {
       chosen_[i].clear();
       fillTile(radius, thread, i);
       // No other round has them any more.
       if (last_rounds_ > 0) fillTile(radius, thread, i);
-    });
+    };
+    tiles_.run(pool_, fill, beside);
     std::vector<Choice> choices;
     for (const std::vector<Choice>& of_tile : chosen_) {
       choices.insert(choices.end(), of_tile.begin(), of_tile.end());
@@ -280,9 +287,10 @@ class Chooser {
   std::vector<Fronts<Metric>> fronts_;         // by thread
   std::vector<std::vector<uint32_t>> around_;  // by thread: cells with samples
   SampleSet set_;
-  int last_rounds_ = 0;    // rounds that are likely to reach the count
-  std::size_t added_ = 1;  // by the last round
-  float left_out_ = 0.0F;  // arrival time at the farthest place chosen but not taken
+  std::vector<uint32_t> start_;  // cells of the start's samples, until they are ordered into set_
+  int last_rounds_ = 0;          // rounds that are likely to reach the count
+  std::size_t added_ = 1;        // by the last round
+  float left_out_ = 0.0F;        // arrival time at the farthest place chosen but not taken
 };
 
 }  // namespace

@@ -67,7 +67,8 @@ class ReadyTiles {
 
 }  // namespace
 
-void Tiles::run(ThreadPool* pool, const std::function<void(int, std::size_t)>& work) const {
+void Tiles::run(ThreadPool* pool, const std::function<void(int, std::size_t)>& work,
+                const std::function<void()>& beside) const {
   std::vector<std::atomic<uint32_t>> waiting(tiles_.size());
   for (std::size_t i = 0; i < tiles_.size(); ++i) waiting[i] = tiles_[i].earlier;
   std::atomic<std::size_t> unfinished{tiles_.size()};
@@ -86,6 +87,7 @@ void Tiles::run(ThreadPool* pool, const std::function<void(int, std::size_t)>& w
   };
   pool->run([&](int thread) {
     const auto own = static_cast<std::size_t>(thread);
+    if (thread == 0 && beside) beside();
     while (unfinished.load() > 0) {
       uint32_t tile = 0;
       if (!take(own, &tile)) {

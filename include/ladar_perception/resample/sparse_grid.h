@@ -160,6 +160,19 @@ class SparseGrid {
       }
     }
   }
+  /// How many cells those are.
+  template <int kReach>
+  LADAR_INLINE uint32_t countNear(std::size_t brick, int bit) const {
+    const auto b = static_cast<std::size_t>(bit);
+    const auto& sides = kNearCells<kReach>.sides[b];
+    uint32_t count = 0;
+    for (std::size_t i = 0; i < kNearCells<kReach>.count[b]; ++i) {
+      const uint32_t near = around_[brick][sides[i].direction];
+      if (near == kNoIndex) continue;
+      count += static_cast<uint32_t>(__builtin_popcountll(bricks_[near].mask & sides[i].mask));
+    }
+    return count;
+  }
   /// Calls visit(number, place in the block, direction of its brick) for the cells of a brick and
   /// those around it, there only next to the brick's own cells.
   template <typename Visit>

@@ -30,7 +30,9 @@ class Tiles {
   const Tile& tile(std::size_t i) const { return tiles_[i]; }
   /// Calls `work(thread, tile)` once for every tile, on the threads of the pool: each goes on near
   /// the tile it had, in a region of its own as long as there is work.
-  void run(ThreadPool* pool, const std::function<void(int, std::size_t)>& work) const;
+  /// One of them does what is to be done `beside` first.
+  void run(ThreadPool* pool, const std::function<void(int, std::size_t)>& work,
+           const std::function<void()>& beside = nullptr) const;
 
  private:
   std::vector<Tile> tiles_;
