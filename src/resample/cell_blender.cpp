@@ -374,7 +374,7 @@ void blendSurface(std::vector<SurfaceFit> pieces, int level, ThreadPool* pool,
   now.surfels.resize(firsts.back());
   parallelFor(pool, runs.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t run = begin; run < end; ++run) {
-      std::copy(runs[run].begin(), runs[run].end(), &now.surfels[firsts[run]]);
+      std::copy(runs[run].begin(), runs[run].end(), now.surfels.data() + firsts[run]);
     }
   });
   for (std::size_t i = 0; i < tiles; ++i) now.tiles[i].first_surfel += firsts[i / kRun];
