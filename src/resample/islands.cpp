@@ -79,16 +79,15 @@ void keepPoints(const std::vector<uint8_t>& kept, GridPoints* points) {
 
 Islands dropSmallIslands(int level, std::size_t least_points, std::size_t most,
                          GridPoints* points) {
-  const Cubes grid(*points, level);
-  const SparseGrid& cubes = grid.grid;
-  const std::vector<uint32_t>& first_point = grid.first_point;
-  Sets sets = touchingCubes(cubes);
-  std::vector<std::size_t> sizes(cubes.size(), 0);  // points, by the number that names the island
-  for (uint32_t i = 0; i < cubes.size(); ++i) {
-    sizes[sets.find(i)] += first_point[i + 1] - first_point[i];
+  const Cubes cubes(*points, level);
+  Sets sets = touchingCubes(cubes.grid);
+  std::vector<std::size_t> sizes(cubes.grid.size(),
+                                 0);  // points, by the number that names the island
+  for (uint32_t i = 0; i < cubes.grid.size(); ++i) {
+    sizes[sets.find(i)] += cubes.first_point[i + 1] - cubes.first_point[i];
   }
   std::vector<uint32_t> islands;
-  for (uint32_t i = 0; i < cubes.size(); ++i) {
+  for (uint32_t i = 0; i < cubes.grid.size(); ++i) {
     if (sizes[i] > 0) islands.push_back(i);
   }
   std::stable_sort(islands.begin(), islands.end(),
@@ -101,12 +100,12 @@ Islands dropSmallIslands(int level, std::size_t least_points, std::size_t most,
   if (most > 0) result.kept = std::min(result.kept, most);
   result.dropped = islands.size() - result.kept;
   if (result.dropped == 0) return result;
-  std::vector<uint8_t> island_kept(cubes.size(), 0);
+  std::vector<uint8_t> island_kept(cubes.grid.size(), 0);
   for (std::size_t i = 0; i < result.kept; ++i) island_kept[islands[i]] = 1;
   std::vector<uint8_t> point_kept(points->size());
-  for (uint32_t i = 0; i < cubes.size(); ++i) {
-    std::fill(point_kept.begin() + first_point[i], point_kept.begin() + first_point[i + 1],
-              island_kept[sets.find(i)]);
+  for (uint32_t i = 0; i < cubes.grid.size(); ++i) {
+    std::fill(point_kept.begin() + cubes.first_point[i],
+              point_kept.begin() + cubes.first_point[i + 1], island_kept[sets.find(i)]);
   }
   keepPoints(point_kept, points);
   return result;

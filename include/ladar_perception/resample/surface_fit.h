@@ -44,6 +44,9 @@ PlaneFit fitPlane(const PointSums& sums);
 
 /// Points a plane needs: with fewer its normal is a guess.
 constexpr float kPlanePoints = 8;
+/// Levels that gaps between points are bridged over: voxels sixteen times as wide.
+constexpr int kBridgeLevels = 4;
+
 /// What became of a voxel at one level.
 enum class VoxelFate : uint8_t { kNotWanted, kSurface, kBridge, kLine, kOpen };
 
@@ -57,9 +60,6 @@ struct FitMemory {
   };
   std::vector<Level> levels;
 };
-
-/// Levels that gaps between points are bridged over: voxels sixteen times as wide.
-constexpr int kBridgeLevels = 4;
 
 /// Pieces of surface for voxels of `level`, those with `wanted[i]` set (all if it is empty): each
 /// by the first level, up to kBridgeLevels more, at which voxel and neighbours hold kPlanePoints.
