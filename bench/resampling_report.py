@@ -18,10 +18,10 @@ HEAD = """# Performance of the re-sampling
 
 Written by `bench/measure_resampling`; change `bench/resampling_report.py` instead. Times are medians
 over {repetitions} rounds in which all variants took turns in random order, each after a run that is not
-timed (farthest points by PCL and Open3D: once, and at once), on {cpus} CPUs at {mhz} MHz (nominal); CPU time of the process where a method has one
-thread, else the wall clock's. `campus_*` is the simulated campus as a sensor sees it that stands on the
-street, with range noise of 2 cm; `kitti00` and `3dtk_indoor` are one real scan each, where the data
-are present.
+timed (farthest points by PCL and Open3D: once, and at once), on {cpus} CPUs at {mhz} MHz (nominal); CPU
+time of the process where a method has one thread, else the wall clock's. `campus_*` is the simulated
+campus as a sensor sees it that stands on the street, with range noise of 2 cm; `kitti00` and
+`3dtk_indoor` are one real scan each, where the data are present.
 
 {cases}
 
