@@ -2,6 +2,7 @@
 #include "crust_links.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -113,41 +114,68 @@ class Linker {
     });
   }
 
-  /// Calls visit(brick, cell, bit) for all cells of a run.
+  /// Calls visit(cell, bit) for all cells of a brick.
   template <typename Visit>
-  LADAR_INLINE void visitCells(const Run& run, const Visit& visit) const {
-    const std::vector<SparseGrid::Brick>& bricks = grids_[run.level].bricks();
-    for (std::size_t brick = run.first; brick < run.last; ++brick) {
-      uint32_t cell = bricks[brick].first;
-      for (uint64_t mask = bricks[brick].mask; mask != 0; mask &= mask - 1, ++cell) {
-        visit(brick, cell, __builtin_ctzll(mask));
-      }
+  static LADAR_INLINE void visitCells(const SparseGrid::Brick& brick, const Visit& visit) {
+    uint32_t cell = brick.first;
+    for (uint64_t mask = brick.mask; mask != 0; mask &= mask - 1, ++cell) {
+      visit(cell, __builtin_ctzll(mask));
     }
   }
 
   LADAR_INLINE void countRun(Run* run) {
     const SparseGrid& grid = grids_[run->level];
-    const bool larger = run->level + 1 < grids_.size();
-    visitCells(*run, [&](std::size_t brick, uint32_t cell, int bit) LADAR_INLINE_LAMBDA {
-      const uint32_t number = numbers_[run->level][cell];
-      crust_->first_neighbor[number + 1] = grid.countNear<1>(brick, bit) - 1;
-      if (larger) linkAbove(brick, cell, bit, run);
-    });
+    for (std::size_t brick = run->first; brick < run->last; ++brick) {
+      const uint32_t levels = levelsNear(run->level, grid.bricks()[brick].key);
+      visitCells(grid.bricks()[brick], [&](uint32_t cell, int bit) LADAR_INLINE_LAMBDA {
+        const uint32_t number = numbers_[run->level][cell];
+        crust_->first_neighbor[number + 1] = grid.countNear<1>(brick, bit) - 1;
+        if (levels != 0) linkAbove(brick, cell, bit, levels, run);
+      });
+    }
+  }
+
+  /// The levels of larger cells, a bit each, that have bricks where a cell may touch those of a
+  /// brick: few bricks have any.
+  uint32_t levelsNear(std::size_t level, uint64_t brick_key) const {
+    const std::array<uint32_t, 3> brick = {morton::x(brick_key), morton::y(brick_key),
+                                           morton::z(brick_key)};
+    uint32_t near = 0;
+    for (std::size_t above = level + 1; above < grids_.size(); ++above) {
+      const auto shift = static_cast<int>(above - level) + 2;
+      std::array<uint32_t, 3> low{};
+      std::array<uint32_t, 3> high{};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        low[axis] = (4 * brick[axis] - 1) >> shift;
+        high[axis] = (4 * brick[axis] + 4) >> shift;
+      }
+      for (uint32_t z = low[2]; z <= high[2]; ++z) {
+        for (uint32_t y = low[1]; y <= high[1]; ++y) {
+          for (uint32_t x = low[0]; x <= high[0]; ++x) {
+            if (grids_[above].findBrick(morton::encode(x, y, z)) != kNoIndex) near |= 1U << above;
+          }
+        }
+      }
+    }
+    return near;
   }
 
   LADAR_INLINE void writeRun(const Run& run) {
     const SparseGrid& grid = grids_[run.level];
     const std::vector<uint32_t>& numbers = numbers_[run.level];
-    visitCells(run, [&](std::size_t brick, uint32_t cell, int bit) LADAR_INLINE_LAMBDA {
-      uint32_t* next = &next_[numbers[cell]];
-      grid.visitNear<1>(brick, bit, [&](uint32_t other, auto...) LADAR_INLINE_LAMBDA {
-        if (other != cell) crust_->neighbors[(*next)++] = numbers[other];
+    for (std::size_t brick = run.first; brick < run.last; ++brick) {
+      visitCells(grid.bricks()[brick], [&](uint32_t cell, int bit) LADAR_INLINE_LAMBDA {
+        uint32_t* next = &next_[numbers[cell]];
+        grid.visitNear<1>(brick, bit, [&](uint32_t other, auto...) LADAR_INLINE_LAMBDA {
+          if (other != cell) crust_->neighbors[(*next)++] = numbers[other];
+        });
       });
-    });
+    }
   }
 
-  /// Links to the larger cells in those steps around a cell that meet none of its own size.
-  void linkAbove(std::size_t brick, uint32_t cell, int bit, Run* run) const {
+  /// Links to the larger cells of those levels in the steps around a cell that meet none of its own
+  /// size.
+  void linkAbove(std::size_t brick, uint32_t cell, int bit, uint32_t levels, Run* run) const {
     const SparseGrid& grid = grids_[run->level];
     uint32_t met = 0;
     grid.visitNear<1>(brick, bit, [&](uint32_t, uint32_t direction, int other_bit) {
@@ -159,6 +187,7 @@ class Linker {
       uint64_t key = morton::around(grid.keys()[cell], step);
       for (std::size_t above = run->level + 1; above < grids_.size(); ++above) {
         key >>= 3;
+        if ((levels >> above & 1) == 0) continue;
         const uint32_t other = grids_[above].find(key);
         if (other == kNoIndex) continue;
         const uint32_t number = numbers_[above][other];

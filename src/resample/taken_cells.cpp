@@ -8,6 +8,10 @@
 namespace ladar_perception {
 namespace {
 
+// Of the cells in reach of a brick's there may be some of half and of twice their edges.
+constexpr uint8_t kSmaller = 1;
+constexpr uint8_t kLarger = 2;
+
 /// Bricks along an axis that are within reach of a cell, all in cells of the finest size.
 struct BrickRange {
   uint32_t low;
@@ -36,10 +40,29 @@ TakenCells::TakenCells(const Crust& crust) : crust_(crust), bricks_(crust.size()
     levels_[level].grid.linkBricks();
     Level& here = levels_[level];
     here.taken.assign(here.grid.bricks().size(), 0);
+    here.edge.assign(here.grid.bricks().size(), 0);
     for (uint32_t brick = 0; brick < here.taken.size(); ++brick) {
       for (uint32_t i = here.grid.bricks()[brick].first; i < here.grid.brickEnd(brick); ++i) {
         bricks_[here.numbers[i]] = brick;
       }
+    }
+  }
+  for (std::size_t level = 0; level + 1 < levels_.size(); ++level) markEdges(level);
+}
+
+void TakenCells::markEdges(std::size_t number) {
+  Level& small = levels_[number];
+  Level& large = levels_[number + 1];
+  const std::vector<SparseGrid::Brick>& bricks = small.grid.bricks();
+  for (std::size_t begin = 0, end = 0; begin < bricks.size(); begin = end) {
+    // A large brick is as wide as two small ones, and reaches are less than a brick.
+    const uint64_t key = bricks[begin].key >> 3;
+    while (end < bricks.size() && bricks[end].key >> 3 == key) ++end;
+    for (int step = 0; step < 27; ++step) {
+      const uint32_t near = large.grid.findBrick(morton::around(key, step));
+      if (near == kNoIndex) continue;
+      large.edge[near] |= kSmaller;
+      for (std::size_t i = begin; i < end; ++i) small.edge[i] |= kLarger;
     }
   }
 }
@@ -63,8 +86,9 @@ void TakenCells::findAround(uint32_t cell, const Eigen::Vector3f& place,
   } else {
     findNear(level, bricks_[cell], own_key & 63, cells);
   }
-  if (own > 0) findWithin(own - 1, cell, cells);
-  if (own + 1 < levels_.size()) findWithin(own + 1, cell, cells);
+  const uint8_t edge = level.edge[bricks_[cell]];
+  if ((edge & kSmaller) != 0) findWithin(own - 1, cell, cells);
+  if ((edge & kLarger) != 0) findWithin(own + 1, cell, cells);
 }
 
 void TakenCells::findNear(const Level& level, uint32_t brick, uint64_t bit,

@@ -30,8 +30,11 @@ class TakenCells {
     SparseGrid grid;
     std::vector<uint32_t> numbers;  // in the crust
     std::vector<uint64_t> taken;    // by brick: a bit a cell
+    std::vector<uint8_t> edge;      // by brick: cells of which other sizes may be in reach
   };
 
+  /// Marks the bricks of a level and of the next larger one that are near to each other.
+  void markEdges(std::size_t number);
   /// Taken cells near the one at a bit of a brick.
   static void findNear(const Level& level, uint32_t brick, uint64_t bit,
                        std::vector<uint32_t>* cells);
