@@ -176,8 +176,12 @@ float FastMarching::arrive(const FrontField& field, const FrontSource& source, u
   const float time = straight(node, source, &d);
   const bool even = std::abs(node.slowness - source.slowness) < kEvenSlowness * source.slowness;
   const bool straight_so_far = even && field.in_sight[from] != 0;
-  // No way is shorter than the straight one: what cannot be earlier is not solved for.
-  if (straight_so_far && time >= field.arrivals[cell].time) return time;
+  // What cannot be earlier than it is known is not solved for: no way is shorter than the straight
+  // one, and where the front is not in sight of the sample, none is sooner than where it comes from.
+  const float known = field.arrivals[cell].time;
+  if (straight_so_far && time >= known) return time;
+  const bool late = field.arrivals[from].time >= known;
+  if (!even && late) return known;
   const Crust& crust = *field.crust;
   const float edge = crust.edge(cell);
   const bool near = d.squaredNorm() < kBox * kBox * edge * edge;
@@ -185,6 +189,7 @@ float FastMarching::arrive(const FrontField& field, const FrontSource& source, u
                             : isFlat(source.normal, crust.normals[cell], d, edge) &&
                                   seesPast(field, source, cell, d));
   if (*in_sight && straight_so_far) return time;
+  if (!*in_sight && late) return known;
   // The front may have come sooner on a way around, over faster ground.
   const float solved = EikonalUpdate(field, source.cell, from, cell).solve();
   if (solved < kSooner * time) *in_sight = false;
