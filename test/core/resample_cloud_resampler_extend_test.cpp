@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <string>
+#include <tuple>
 
 #include "ladar_perception/resample/sampling_quality.h"
 #include "resample_brute_force.h"
@@ -11,11 +12,17 @@
 namespace ladar_perception::test {
 namespace {
 
-class ResampleExtend : public testing::TestWithParam<std::string> {
+/// The engine, and whether resample() is told that more is to come.
+class ResampleExtend : public testing::TestWithParam<std::tuple<std::string, bool>> {
  protected:
+  static ResampledCloud begin(CloudResampler* resampler, const PoseCloudData& cloud,
+                              const Policies& policies = {}) {
+    return resampler->resample(cloud, policies, std::get<1>(GetParam()));
+  }
+
   static ResampleConfig config(int count, double radius_m = 0.0) {
     ResampleConfig config;
-    config.engine = GetParam();
+    config.engine = std::get<0>(GetParam());
     config.count = count;
     config.radius_m = radius_m;
     return config;
@@ -59,7 +66,7 @@ TEST_P(ResampleExtend, AfterAnEmptyCloudCountsItsPoints) {
   PoseCloudData nothing;
   nothing.positions_m.assign(3, Eigen::Vector3d::Constant(std::nan("")));
   CloudResampler resampler(config(100));
-  EXPECT_EQ(resampler.resample(nothing).size(), 0u);
+  EXPECT_EQ(begin(&resampler, nothing).size(), 0u);
   const ResampledCloud extended = resampler.extend(cloud);
   EXPECT_EQ(extended.size(), 100u);
   EXPECT_EQ(extended.points_in, cloud.positions_m.size() + 3);
@@ -70,7 +77,7 @@ TEST_P(ResampleExtend, AfterAnEmptyCloudCountsItsPoints) {
 TEST_P(ResampleExtend, SamplesStayAndCountMeansMore) {
   const PoseCloudData cloud = boxCloud(kBox, 60000, 0.005);
   CloudResampler resampler(config(500));
-  const ResampledCloud before = resampler.resample(slab(cloud, -1, 3));
+  const ResampledCloud before = begin(&resampler, slab(cloud, -1, 3));
   ASSERT_EQ(before.size(), 500u);
   const ResampledCloud after = resampler.extend(slab(cloud, 3, 7));
   EXPECT_EQ(after.size(), 1000u);
@@ -91,7 +98,7 @@ TEST_P(ResampleExtend, TheCrustIsThatOfAllPoints) {
   fixed.cell_size_m = 0.1;
   CloudResampler resampler(fixed);
   // The first part has the least corner of all, and with it the origin of the grid.
-  resampler.resample(slab(cloud, -1, 3));
+  begin(&resampler, slab(cloud, -1, 3));
   const ResampledCloud after = resampler.extend(slab(cloud, 3, 7));
   PoseCloudData in_order = slab(cloud, -1, 3);
   for (const Eigen::Vector3d& p : slab(cloud, 3, 7).positions_m) in_order.positions_m.push_back(p);
@@ -103,7 +110,7 @@ TEST_P(ResampleExtend, TheCrustIsThatOfAllPoints) {
 TEST_P(ResampleExtend, KeepsTheRadius) {
   const PoseCloudData cloud = boxCloud(kBox, 60000, 0.005);
   CloudResampler resampler(config(0, 0.3));
-  const ResampledCloud before = resampler.resample(slab(cloud, -1, 3));
+  const ResampledCloud before = begin(&resampler, slab(cloud, -1, 3));
   const ResampledCloud after = resampler.extend(slab(cloud, 3, 7));
   EXPECT_GT(after.size(), before.size() * 3 / 2);
   // A place that has a sample near in a straight line gets no other, though fronts come later to it
@@ -123,7 +130,7 @@ TEST_P(ResampleExtend, SourcesCountThroughTheClouds) {
   std::vector<Eigen::Vector3d> all = first.positions_m;
   all.insert(all.end(), second.positions_m.begin(), second.positions_m.end());
   CloudResampler resampler(config(200));
-  resampler.resample(first);
+  begin(&resampler, first);
   const ResampledCloud after = resampler.extend(second);
   ASSERT_EQ(after.sources.size(), 400u);
   for (std::size_t i = 0; i < after.size(); ++i) {
@@ -143,7 +150,7 @@ TEST_P(ResampleExtend, ManyTimes) {
   for (int i = 0; i < 6; ++i) {
     const PoseCloudData part = slab(boxCloud(kBox, 20000, 0.005), i, i + 1.0);
     points += part.positions_m.size();
-    const ResampledCloud now = i == 0 ? resampler.resample(part) : resampler.extend(part);
+    const ResampledCloud now = i == 0 ? begin(&resampler, part) : resampler.extend(part);
     EXPECT_GE(now.size(), last.size() + 95u);
     EXPECT_LE(now.size(), last.size() + 100u);
     EXPECT_EQ(now.points_in, points);
@@ -151,10 +158,30 @@ TEST_P(ResampleExtend, ManyTimes) {
   }
 }
 
+/// Where nothing has come samples stay, and hardly any come between them: only where rounding puts
+/// a vertex just beyond the radius that was just within it.
+TEST_P(ResampleExtend, FewPointsInACornerLeaveTheRest) {
+  const PoseCloudData cloud = boxCloud(kBox, 60000, 0.005);
+  CloudResampler resampler(config(0, 0.12));
+  const ResampledCloud before = begin(&resampler, cloud);
+  PoseCloudData corner;
+  for (int i = 0; i < 400; ++i) {
+    corner.positions_m.emplace_back(0.5 + 0.02 * (i % 20), 0.5 + 0.02 * (i / 20), 0.5);
+  }
+  const ResampledCloud after = resampler.extend(corner);
+  EXPECT_GT(after.size(), before.size() + 5);
+  EXPECT_EQ(stayed(before, after), before.size());
+  std::size_t elsewhere = 0;
+  for (std::size_t i = before.size(); i < after.size(); ++i) {
+    elsewhere += (after.positions_m[i] - Eigen::Vector3d(0.7, 0.7, 0.5)).norm() > 0.6 ? 1 : 0;
+  }
+  EXPECT_LE(elsewhere, before.size() / 500);
+}
+
 TEST_P(ResampleExtend, NothingMore) {
   const PoseCloudData cloud = boxCloud(kBox, 20000, 0.005);
   CloudResampler resampler(config(300));
-  const ResampledCloud before = resampler.resample(cloud);
+  const ResampledCloud before = begin(&resampler, cloud);
   PoseCloudData nothing;
   const ResampledCloud after = resampler.extend(nothing);
   EXPECT_GT(after.size(), 500u);  // cells of the size chosen for 300 hold no 600
@@ -169,7 +196,7 @@ TEST_P(ResampleExtend, ThreadsGiveTheSameBytes) {
     ResampleConfig many = config(500);
     many.threads = threads;
     CloudResampler resampler(many);
-    resampler.resample(slab(cloud, -1, 3), policies);
+    begin(&resampler, slab(cloud, -1, 3), policies);
     const ResampledCloud after = resampler.extend(slab(cloud, 3, 7));
     if (threads == 1) expected = after;
     EXPECT_TRUE(after.positions_m == expected.positions_m) << threads;
@@ -178,8 +205,13 @@ TEST_P(ResampleExtend, ThreadsGiveTheSameBytes) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Engines, ResampleExtend, testing::Values("fast_marching", "flood"),
-                         [](const auto& test_case) { return test_case.param; });
+INSTANTIATE_TEST_SUITE_P(Engines, ResampleExtend,
+                         testing::Combine(testing::Values("fast_marching", "flood"),
+                                          testing::Bool()),
+                         [](const auto& test_case) {
+                           return std::get<0>(test_case.param) +
+                                  (std::get<1>(test_case.param) ? "_more_to_come" : "");
+                         });
 
 }  // namespace
 }  // namespace ladar_perception::test
