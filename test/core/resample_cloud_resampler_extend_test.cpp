@@ -158,8 +158,8 @@ TEST_P(ResampleExtend, ManyTimes) {
   }
 }
 
-/// Where nothing has come samples stay, and hardly any come between them: only where rounding puts
-/// a vertex just beyond the radius that was just within it.
+/// Where nothing has come samples stay, and hardly any come between them: all vertices are looked at
+/// anew, and a few were passed over.
 TEST_P(ResampleExtend, FewPointsInACornerLeaveTheRest) {
   const PoseCloudData cloud = boxCloud(kBox, 60000, 0.005);
   CloudResampler resampler(config(0, 0.12));
