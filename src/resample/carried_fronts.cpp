@@ -104,7 +104,7 @@ class Carrier {
       const uint32_t old = set_.cells[i];
       uint32_t cell = later_[old];
       if (cell == kNoIndex) {
-        cell = nearestFreeCell(cells, before_.crust->keys[old], set_.positions[i], taken);
+        cell = nearestFreeCell(cells, old, set_.positions[i], taken);
         if (cell == kNoIndex) continue;
         taken[cell] = 1;
       }
@@ -116,12 +116,15 @@ class Carrier {
     return moved;
   }
 
-  uint32_t nearestFreeCell(const SparseGrid& cells, uint64_t key, const Eigen::Vector3f& position,
+  /// Of those in the place of a cell that was there before, and in the places of its size around.
+  uint32_t nearestFreeCell(const SparseGrid& cells, uint32_t old, const Eigen::Vector3f& position,
                            const std::vector<uint8_t>& taken) const {
+    const int shift = 3 * before_.crust->levels[old];
+    const uint64_t key = before_.crust->keys[old] >> shift;
     uint32_t nearest = kNoIndex;
     float least = std::numeric_limits<float>::infinity();
     for (int step = 0; step < 27; ++step) {
-      const uint32_t cell = cells.find(morton::around(key, step));
+      const uint32_t cell = cells.find(morton::around(key, step) << shift);
       if (cell == kNoIndex || taken[cell] != 0) continue;
       const float distance = (field_->crust->positions[cell] - position).squaredNorm();
       if (distance < least) {

@@ -158,8 +158,8 @@ TEST_P(ResampleExtend, ManyTimes) {
   }
 }
 
-/// Where nothing has come samples stay, and hardly any come between them: all vertices are looked at
-/// anew, and a few were passed over.
+/// Where nothing has come samples stay, and hardly any come between them: all vertices are looked
+/// at anew, and a few were passed over.
 TEST_P(ResampleExtend, FewPointsInACornerLeaveTheRest) {
   const PoseCloudData cloud = boxCloud(kBox, 60000, 0.005);
   CloudResampler resampler(config(0, 0.12));
@@ -176,6 +176,18 @@ TEST_P(ResampleExtend, FewPointsInACornerLeaveTheRest) {
     elsewhere += (after.positions_m[i] - Eigen::Vector3d(0.7, 0.7, 0.5)).norm() > 0.6 ? 1 : 0;
   }
   EXPECT_LE(elsewhere, before.size() / 500);
+}
+
+/// A sample far away lies in a cell many times as large as the finest, which points that come near
+/// it change.
+TEST_P(ResampleExtend, SamplesStayInCellsOfAllSizes) {
+  const Eigen::Vector3d hall(60, 50, 12);
+  CloudResampler resampler(config(1500));
+  const ResampledCloud before =
+      begin(&resampler, boxCloud(hall, 60000, 0.02), {makePolicy("range:min=3")});
+  ASSERT_EQ(before.size(), 1500u);
+  const ResampledCloud after = resampler.extend(boxCloud(hall, 6000, 0.02, 9));
+  EXPECT_EQ(stayed(before, after), 1500u);
 }
 
 TEST_P(ResampleExtend, NothingMore) {
