@@ -101,7 +101,7 @@ void measure(benchmark::State& state, const Variant& variant) {
   PeakMemory::reset();
   const double before_mb = PeakMemory::megabytes();
   // Of those that are timed more than once, a first run, after which the heap is as in a node that
-  // has run for a while: pages that the kernel has to clear took a third of a run.
+  // has run for a while: pages that the kernel has to clear were a quarter of a first run.
   if (!variant.slow) {
     if (method.prepare) method.prepare();
     method.run();
@@ -177,22 +177,20 @@ void addGrowth(const std::string& engine, int thousands, int samples, std::vecto
        [=](const PoseCloudData& cloud) { return ours(engine, "uniform", 1, samples, cloud); }});
 }
 
-/// Whether the i-th point, at `p`, is of a sixtieth of them.
-using IsLast = bool (*)(std::size_t i, const Eigen::Vector3d& p);
+// Of a cloud's points one in so many comes last.
+constexpr std::size_t kParts = 60;
+bool isInSector(std::size_t /*i*/, const Eigen::Vector3d& p) {
+  return std::abs(std::atan2(p.y(), p.x())) < M_PI / kParts;
+}
+bool isOneInSixty(std::size_t i, const Eigen::Vector3d& /*p*/) { return i % kParts == 0; }
 
 void addExtension(const Case& from, const std::string& engine, std::vector<Variant>* all) {
   struct Part {
     const char* name;
-    IsLast is_last;
+    bool (*is_last)(std::size_t i, const Eigen::Vector3d& p);  // nullptr: all points at once
   };
-  constexpr std::size_t kParts = 60;
   for (const Part& part :
-       {Part{"sector",
-             [](std::size_t, const Eigen::Vector3d&p) {
-               return std::abs(std::atan2(p.y(), p.x())) < M_PI / kParts;
-             }},
-        Part{"everywhere", [](std::size_t i, const Eigen::Vector3d&) { return i % kParts == 0; }},
-        Part{"whole", nullptr}}) {
+       {Part{"sector", isInSector}, Part{"everywhere", isOneInSixty}, Part{"whole", nullptr}}) {
     all->push_back({std::string("extend/") + engine + "/" + part.name + "/" + from.name, from,
                     [=, is_last = part.is_last](const PoseCloudData& cloud) {
                       ResampleConfig config;

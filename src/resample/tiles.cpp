@@ -10,31 +10,6 @@
 #include "ladar_perception/resample/sparse_grid.h"
 
 namespace ladar_perception {
-
-Tiles::Tiles(const std::vector<uint64_t>& keys, int level) {
-  std::vector<uint64_t> tile_keys;
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    const uint64_t key = keys[i] >> 3 * level;
-    if (tile_keys.empty() || tile_keys.back() != key) {
-      tile_keys.push_back(key);
-      tiles_.emplace_back();
-      tiles_.back().first = static_cast<uint32_t>(i);
-    }
-    tiles_.back().end = static_cast<uint32_t>(i + 1);
-  }
-  SparseGrid grid;
-  grid.assign(tile_keys);
-  for (std::size_t i = 0; i < tile_keys.size(); ++i) {
-    for (int step = 0; step < 27; ++step) {
-      const uint64_t key = morton::around(tile_keys[i], step);
-      const uint32_t other = grid.find(key);
-      if (other == kNoIndex || (key & 7) <= (tile_keys[i] & 7)) continue;
-      tiles_[i].later.push_back(other);
-      ++tiles_[other].earlier;
-    }
-  }
-}
-
 namespace {
 
 /// Tiles that wait for none any more, of one thread; others take from it when they have none.
@@ -66,6 +41,30 @@ class ReadyTiles {
 };
 
 }  // namespace
+
+Tiles::Tiles(const std::vector<uint64_t>& keys, int level) {
+  std::vector<uint64_t> tile_keys;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const uint64_t key = keys[i] >> 3 * level;
+    if (tile_keys.empty() || tile_keys.back() != key) {
+      tile_keys.push_back(key);
+      tiles_.emplace_back();
+      tiles_.back().first = static_cast<uint32_t>(i);
+    }
+    tiles_.back().end = static_cast<uint32_t>(i + 1);
+  }
+  SparseGrid grid;
+  grid.assign(tile_keys);
+  for (std::size_t i = 0; i < tile_keys.size(); ++i) {
+    for (int step = 0; step < 27; ++step) {
+      const uint64_t key = morton::around(tile_keys[i], step);
+      const uint32_t other = grid.find(key);
+      if (other == kNoIndex || (key & 7) <= (tile_keys[i] & 7)) continue;
+      tiles_[i].later.push_back(other);
+      ++tiles_[other].earlier;
+    }
+  }
+}
 
 void Tiles::run(ThreadPool* pool, const std::function<void(int, std::size_t)>& work,
                 const std::function<void()>& beside) const {
