@@ -13,7 +13,6 @@ namespace ladar_perception {
 namespace {
 
 constexpr std::size_t kStatisticsWindow = 1000;
-constexpr double kWarningPeriod_s = 5.0;
 constexpr uint32_t kBurst = 1000;  // messages
 // Scans that wait for room among the poses need their transforms for longer than tf's 10 s.
 constexpr double kTransformsKept_s = 30.0;
@@ -171,11 +170,12 @@ void PoseResamplerNode::passOn(std::optional<CollectedPose> pose, const ros::Wal
     const std::lock_guard<std::mutex> lock(statistics_mutex_);
     statistics_.addComplete(pose->pose.id, arrival);
   }
-  if (poses_.size() >= static_cast<std::size_t>(config_.pose_queue_size)) {
-    ROS_WARN_THROTTLE(kWarningPeriod_s,
-                      "pose_resampler: pose_queue_size %d poses wait to be re-sampled; scans on "
-                      "'%s' have to wait, too",
-                      config_.pose_queue_size, handle_.resolveName("points").c_str());
+  const bool full = poses_.size() >= static_cast<std::size_t>(config_.pose_queue_size);
+  if (full && backlog_warnings_.opens(0)) {
+    ROS_WARN(
+        "pose_resampler: pose_queue_size %d poses wait to be re-sampled; scans on '%s' have to "
+        "wait, too",
+        config_.pose_queue_size, handle_.resolveName("points").c_str());
   }
   poses_.pushWhenRoom(std::move(*pose));
 }

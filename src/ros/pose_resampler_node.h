@@ -77,7 +77,8 @@ class PoseResamplerNode {
   tf2_ros::Buffer tf_buffer_;
   tf2_ros::TransformListener tf_listener_;
   OdometryLog odometry_;
-  PoseCollector collector_;   // of the thread that gathers
+  PoseCollector collector_;  // of the thread that gathers, as is the next
+  WarningGate<1> backlog_warnings_;
   CloudResampler resampler_;  // of the thread that re-samples
   std::atomic<bool> add_pose_requested_{false};
   std::atomic<bool> reset_requested_{false};
